@@ -6,6 +6,7 @@
 #include "storage/audit/audit_store.h"
 #include "storage/chain/chain_recorder.h"
 #include "storage/diagnosis/diagnosis_store.h"
+#include "storage/indentation/indentation_store.h"
 #include "storage/models/model_store.h"
 #include "storage/plans/plan_store.h"
 #include "storage/readings/reading_store.h"
@@ -66,6 +67,7 @@ class SqliteStore final : public Store {
                .queue = &queue_,
                .metadata = &metadata_,
                .plans = &plans_,
+               .indentations = &indentations_,
                .upkeep = &upkeep_}),
         session_(path,
                  read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
@@ -94,7 +96,8 @@ class SqliteStore final : public Store {
         audit_(session_, protected_),
         queue_(session_),
         metadata_(session_),
-        plans_(session_) {
+        plans_(session_),
+        indentations_(session_) {
     set_up_connection();
   }
 
@@ -196,6 +199,7 @@ class SqliteStore final : public Store {
   SqliteQueueStore queue_;
   SqliteMetadataStore metadata_;
   SqlitePlanStore plans_;
+  SqliteIndentationStore indentations_;
 };
 
 }  // namespace

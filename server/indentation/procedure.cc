@@ -29,6 +29,7 @@ class Procedure {
     DRIFTWISE_RETURN_IF_ERROR(rest());
     record_.in_contact = false;
     if (interrupted) {
+      note_trouble("the client was lost during the contact");
       record_.aside_um += rules_.retry_um;
       say("the contact before was interrupted: retracted");
     }
@@ -39,6 +40,10 @@ class Procedure {
     if (record_.stage == Stage::zero) DRIFTWISE_RETURN_IF_ERROR(find_zero());
     if (record_.stage == Stage::indents) DRIFTWISE_RETURN_IF_ERROR(make_indents());
     return {};
+  }
+
+  void note_trouble(const std::string& trouble) {
+    note_contact({.contact = record_.contacts}, "", trouble);
   }
 
   // The clearance below the contact awaited, or lower.
@@ -154,6 +159,31 @@ class Procedure {
     return cell_.wait(rules_.dwell_s);
   }
 
+  void note_contact(const TouchRecord& touch, const std::string& indent,
+                    const std::string& trouble = {}) {
+    record_.contact_list.push_back({.touch = touch,
+                                    .stage = record_.stage,
+                                    .round = record_.corrections,
+                                    .indent = indent,
+                                    .rx_arcsec = record_.rx_arcsec,
+                                    .ry_arcsec = record_.ry_arcsec,
+                                    .by = record_.by,
+                                    .at = cell_.utc(),
+                                    .trouble = trouble});
+  }
+
+  // rx_arcsec, ry_arcsec: commanded from now on.
+  void note_round(const AlignmentStep& step, double rx_arcsec, double ry_arcsec) {
+    record_.rounds.push_back({.round = record_.corrections,
+                              .accepted = step.kind == AlignmentStep::Kind::accepted,
+                              .spread_nm = step.plane.spread_nm,
+                              .rx_arcsec = rx_arcsec,
+                              .ry_arcsec = ry_arcsec,
+                              .height_mm = step.plane.c_mm,
+                              .by = record_.by,
+                              .at = cell_.utc()});
+  }
+
   void ended() {
     record_.in_contact = false;
     record_.aside_um = 0;
@@ -177,6 +207,7 @@ class Procedure {
         found.x_mm = x;
         found.y_mm = y;
         record_.touches.push_back(found);
+        note_contact(found, "");
         DRIFTWISE_RETURN_IF_ERROR(below(found.height_mm - rules_.clearance_mm));
         DRIFTWISE_RETURN_IF_ERROR(rest());
         ended();
@@ -187,6 +218,9 @@ class Procedure {
             {.x_mm = one.x_mm, .y_mm = one.y_mm, .height_mm = one.height_mm, .u_nm = one.u_nm});
       DRIFTWISE_TRY(const auto step, next_alignment(rules_.alignment, record_.corrections,
                                                     record_.rx_arcsec, record_.ry_arcsec, points));
+      const bool corrects = step.kind == AlignmentStep::Kind::correct;
+      note_round(step, corrects ? step.rx_arcsec : record_.rx_arcsec,
+                 corrects ? step.ry_arcsec : record_.ry_arcsec);
       record_.spread_nm = step.plane.spread_nm;
       record_.touches.clear();
       if (step.kind == AlignmentStep::Kind::refused)
@@ -223,6 +257,7 @@ class Procedure {
     found.x_mm = rules_.zero_x_mm;
     found.y_mm = rules_.zero_y_mm + aside_mm();
     record_.zero = found;
+    note_contact(found, "");
     record_.height_mm = found.height_mm;
     record_.stage = Stage::indents;
     DRIFTWISE_RETURN_IF_ERROR(retract());
@@ -260,6 +295,7 @@ class Procedure {
     found.x_mm = record_.zero.x_mm + dx;
     found.y_mm = record_.zero.y_mm + dy;
     record_.height_mm = found.height_mm;
+    note_contact(found, planned.id);
     record_.indents.push_back({.planned = planned,
                                .touch = found,
                                .placed_x_um = (placed.x_mm - record_.zero_here.x_mm) * kUmOfMm,
@@ -319,6 +355,7 @@ Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, Procedur
   // A robot that is left in contact is worse than a procedure that ends.
   const auto away = procedure.lower();
   Error error = done.error();
+  if (record.in_contact) procedure.note_trouble(error.message);
   if (away && record.in_contact) {
     record.in_contact = false;
     record.aside_um += rules.retry_um;

@@ -46,6 +46,8 @@ class TouchingCell {
     std::vector<std::pair<std::string, double>> degc{};
   };
   virtual Result<Here> here() = 0;
+  // UTC of the last readings, ISO 8601; empty: the cell has no clock.
+  virtual std::string utc() { return {}; }
 };
 
 struct PlannedIndent {
@@ -93,7 +95,29 @@ struct MadeIndent {
   std::string by{};
 };
 
+// A contact on the substrate as it ended.
+struct ContactRecord {
+  TouchRecord touch{};
+  Stage stage = Stage::align;
+  int round = 0;                        // corrections made before it
+  std::string indent{};                 // id of the indent; empty: no indent
+  double rx_arcsec = 0, ry_arcsec = 0;  // commanded to the robot below
+  std::string by{}, at{};               // model that answered; UTC, ISO 8601
+  std::string trouble{};                // empty: found and recorded
+};
+
+// A round of the alignment as it was judged.
+struct RoundRecord {
+  int round = 0;  // corrections made before it
+  bool accepted = false;
+  double spread_nm = 0;                 // highest minus lowest contact
+  double rx_arcsec = 0, ry_arcsec = 0;  // commanded to the robot below from then on
+  double height_mm = 0;                 // of the plane at the zero
+  std::string by{}, at{};
+};
+
 struct ProcedureRecord {
+  std::string key{};  // of this indentation, made by the client at its first start
   Stage stage = Stage::align;
   std::string tool{};
   int contacts = 0;         // on the substrate so far, interrupted ones included
@@ -110,6 +134,8 @@ struct ProcedureRecord {
   TouchingCell::Here zero_here{};
   std::vector<MadeIndent> indents{};
   std::string by{};  // which model answered last
+  std::vector<ContactRecord> contact_list{};
+  std::vector<RoundRecord> rounds{};
 };
 
 // Goes on where the record is, until the microscope's turn. Errors: those of the cell;

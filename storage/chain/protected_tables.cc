@@ -128,6 +128,7 @@ std::span<const UnitKind> unit_kinds() {
       {38, {"closure_id"}, {"closure", "closure_coordinate"}},
       {39, {"point_id"}, {"repeated_point"}},
       {40, {"rest_id"}, {"rest"}},
+      {41, {"indentation_id"}, {"indentation"}},
   };
   return kinds;
 }

@@ -41,6 +41,7 @@ const views = [
   ['/runs/1?tab=log', 'Run 1 · first'],
   ['/queue', 'Queue'],
   ['/plans', 'Plans'],
+  ['/indentation', 'Indentation'],
   ['/procedure', 'Procedure'],
   ['/models', 'Models'],
   ['/models/1', undefined],

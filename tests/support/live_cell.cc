@@ -154,7 +154,8 @@ app::Services LiveCell::services(const Fakes& fakes) {
           own.commissioning,
           own.look_back,
           own.support,
-          own.reports};
+          own.reports,
+          own.indentations};
 }
 
 EventId LiveCell::add_event(const std::string& what) {

@@ -1,7 +1,7 @@
 // proto/*.proto -> src/api/gen/*.ts with protoc and protoc-gen-es. The folder is not in git: the protos are the source.
-// Does nothing when what is there is newer than every proto, so that it can stand before every other step.
+// Does nothing when what is there is newer than every proto and than this script, so that it can stand before every other step.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -10,8 +10,15 @@ const protos = join(web, '../../proto');
 const out = join(web, 'src/api/gen');
 const stamp = join(out, '.made');
 
+// The descriptor as the bytes that it is, in place of their base64: gzip finds the names in it, and a quarter of its size goes.
+function plainDescriptor(file) {
+  const text = readFileSync(file, 'utf8');
+  writeFileSync(file, text.replace(/fileDesc\("([^"]+)"/, (_, base64) => `fileDesc(/*@__PURE__*/ btoa(${JSON.stringify(Buffer.from(base64, 'base64').toString('latin1'))})`));
+}
+
 const files = readdirSync(join(protos, 'driftwise/v1')).filter((name) => name.endsWith('.proto'));
-const newest = Math.max(...files.map((name) => statSync(join(protos, 'driftwise/v1', name)).mtimeMs));
+const sources = [fileURLToPath(import.meta.url), ...files.map((name) => join(protos, 'driftwise/v1', name))];
+const newest = Math.max(...sources.map((name) => statSync(name).mtimeMs));
 if (!existsSync(stamp) || statSync(stamp).mtimeMs < newest) {
   rmSync(out, { recursive: true, force: true });
   mkdirSync(out, { recursive: true });
@@ -27,5 +34,6 @@ if (!existsSync(stamp) || statSync(stamp).mtimeMs < newest) {
       : 'protoc could not read the protos: its words are above');
     process.exit(1);
   }
+  for (const name of readdirSync(join(out, 'driftwise/v1'))) plainDescriptor(join(out, 'driftwise/v1', name));
   writeFileSync(stamp, '');
 }

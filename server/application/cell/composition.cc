@@ -169,6 +169,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       rests(on, *clock, recorder, writer, events, engine, right, tasks),
       commissioning(workbench, reader, writer, engine, rests, worker_thread.executor()),
       look_back(workbench, reader, datasets, models, worker_thread.executor()),
+      indentations(*clock, reader, writer, events, text_thread.executor()),
       support({given.schema_version, std::move(given.log_tail)}, workbench, reader, overview,
               text_thread.executor()),
       measure_pauses_(given.measure_pauses) {
@@ -202,7 +203,7 @@ Services Composition::services() {
           provenance, configurations, diagnoses, extensions,    improvements, studies,
           alarms,     feeds,          queue,     upkeep,        holds,        notify,
           plans,      joint_serving,  jogs,      commissioning, look_back,    support,
-          reports};
+          reports,    indentations};
 }
 
 }  // namespace driftwise::application

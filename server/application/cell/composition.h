@@ -19,6 +19,7 @@
 #include "server/application/diagnoses/extensions_service.h"
 #include "server/application/holds/hold_desk.h"
 #include "server/application/improvement/improvements_service.h"
+#include "server/application/indentations/indentations_service.h"
 #include "server/application/look_back/look_back_service.h"
 #include "server/application/manual/jog_desk.h"
 #include "server/application/manual/manual_control_service.h"
@@ -162,6 +163,7 @@ class Composition {
   RestDesk rests;
   CommissioningService commissioning;
   LookBackService look_back;
+  IndentationsService indentations;
   SupportService support;
 
  private:

@@ -17,6 +17,7 @@ class Holds;
 class Host;
 class JointTargets;
 class Improvements;
+class Indentations;
 class Jogs;
 class LookBack;
 class ManualControl;
@@ -69,6 +70,7 @@ struct Services {
   LookBack& look_back;
   SupportBundles& support;
   Reports& reports;
+  Indentations& indentations;
 };
 
 }  // namespace driftwise::application

@@ -359,6 +359,25 @@ Awaitable<Result<std::vector<RunRecord>>> AsyncMetadataStore::find_runs(
                                                           before_id);
 }
 
+Awaitable<Result<IndentationRecord>> AsyncIndentationStore::add_indentation(
+    IndentationRecord record) const {
+  return ask<&Store::indentations, &IndentationStore::add_indentation>(store_, std::move(record));
+}
+
+Awaitable<Result<void>> AsyncIndentationStore::change_indentation(IndentationRecord record) const {
+  return ask<&Store::indentations, &IndentationStore::change_indentation>(store_,
+                                                                          std::move(record));
+}
+
+Awaitable<Result<IndentationRecord>> AsyncIndentationStore::indentation(IndentationId id) const {
+  return ask<&Store::indentations, &IndentationStore::indentation>(store_, id);
+}
+
+Awaitable<Result<std::vector<IndentationRecord>>> AsyncIndentationStore::indentations(
+    int limit) const {
+  return ask<&Store::indentations, &IndentationStore::indentations>(store_, limit);
+}
+
 Awaitable<Result<PlanRecord>> AsyncPlanStore::add_plan(PlanRecord plan) const {
   return ask<&Store::plans, &PlanStore::add_plan>(store_, std::move(plan));
 }

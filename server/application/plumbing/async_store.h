@@ -277,6 +277,18 @@ class AsyncMetadataStore {
   AsyncStore& store_;
 };
 
+class AsyncIndentationStore {
+ public:
+  explicit AsyncIndentationStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<IndentationRecord>> add_indentation(IndentationRecord record) const;
+  Awaitable<Result<void>> change_indentation(IndentationRecord record) const;
+  Awaitable<Result<IndentationRecord>> indentation(IndentationId id) const;
+  Awaitable<Result<std::vector<IndentationRecord>>> indentations(int limit) const;
+
+ private:
+  AsyncStore& store_;
+};
+
 class AsyncPlanStore {
  public:
   explicit AsyncPlanStore(AsyncStore& store) : store_(store) {}
@@ -316,6 +328,7 @@ class AsyncStore {
   AsyncQueueStore queue() { return AsyncQueueStore(*this); }
   AsyncMetadataStore metadata() { return AsyncMetadataStore(*this); }
   AsyncPlanStore plans() { return AsyncPlanStore(*this); }
+  AsyncIndentationStore indentations() { return AsyncIndentationStore(*this); }
 
   // Several calls of the store in one go: function(store, arguments...) on its thread. The rules
   // for closures and arguments are those of run_on().

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/application/motion/loading.h"
 #include "server/application/plans/joint_rows.h"
 #include "server/application/plumbing/run_on.h"
@@ -60,6 +62,61 @@ Result<void> check_coordinates(const std::string& name, const Trajectory& trajec
   return {};
 }
 
+namespace {
+
+const SetupDescription* chosen_setup(const CellDescription& cell, const std::string& name) {
+  const auto found = std::ranges::find(cell.setups, name, &SetupDescription::name);
+  return found == cell.setups.end() ? nullptr : &*found;
+}
+
+bool is_measured_in(const SetupDescription& setup, const Channel& coordinate) {
+  return std::ranges::any_of(setup.coordinates, [&](const SetupCoordinate& one) {
+    return one.channel.name() == coordinate.name();
+  });
+}
+
+std::string coordinates_of_setup(const SetupDescription& setup) {
+  std::string names;
+  for (const auto& one : setup.coordinates)
+    names += (names.empty() ? "" : ", ") + one.channel.name();
+  return names;
+}
+
+// A set-up of another robot than those that the trajectory moves measures nothing of it.
+Result<void> check_setup_measures(const CellDescription& cell, const std::string& setup_name,
+                                  const Trajectory& trajectory, const std::string& name) {
+  const auto* setup = chosen_setup(cell, setup_name);
+  if (setup == nullptr || !cell.has_several_robots()) return {};
+  std::string robots;
+  for (const auto& moved : trajectory.coordinates) {
+    const std::string robot(robot_of(moved.symbol));
+    if (std::ranges::any_of(setup->coordinates, [&](const SetupCoordinate& one) {
+          return robot_of(one.channel.symbol) == robot;
+        }))
+      return {};
+    if (robots.find(robot) == std::string::npos) robots += (robots.empty() ? "" : ", ") + robot;
+  }
+  return fail(ErrorCode::invalid_argument, reasons::kNotMeasured,
+              fmt::format("{}: moves {}, and set-up '{}' measures {} alone: no point of this run "
+                          "would have a measured coordinate of what moves. Start it in a set-up "
+                          "that measures one of {}'s",
+                          name, robots, setup_name, coordinates_of_setup(*setup), robots));
+}
+
+// Wanted coordinates that this set-up leaves to another run of the same trajectory; empty: none.
+std::string wanted_but_unmeasured(const CellDescription& cell, const std::string& setup_name,
+                                  const Trajectory& trajectory) {
+  const auto* setup = chosen_setup(cell, setup_name);
+  std::string names;
+  if (setup == nullptr) return names;
+  for (const auto& wanted : trajectory.coordinates)
+    if (is_pose_symbol(without_robot(wanted.symbol)) && !is_measured_in(*setup, wanted))
+      names += (names.empty() ? "" : ", ") + wanted.name();
+  return names;
+}
+
+}  // namespace
+
 Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun request) {
   const auto lock = co_await right_.turn();
   // A repeated request gets the first one's answer, whatever has become of the lease since.
@@ -103,6 +160,8 @@ Awaitable<Result<RunsService::Prepared>> RunsService::prepare(const CreateRun& r
   auto checking = trajectories_.check(name, request.trajectory_text);
   DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
   DRIFTWISE_CO_RETURN_IF_ERROR(check_coordinates(name, check.trajectory, plan.compensate));
+  DRIFTWISE_CO_RETURN_IF_ERROR(
+      check_setup_measures(description_, plan.setup, check.trajectory, name));
   if (plan.compensate)
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await settle_compensation(plan, check.trajectory, name));
   co_return Prepared{std::move(plan), std::move(check.trajectory)};
@@ -165,6 +224,12 @@ Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun req
                  fmt::format("{} created run {} '{}': {} rows", caller.name, stored->id.value,
                              stored->name, stored->rows),
                  stored->id);
+  if (const auto left = wanted_but_unmeasured(description_, plan.setup, trajectory); !left.empty())
+    events_.record_own("run.unmeasured",
+                       fmt::format("run {}: set-up '{}' does not measure {}, which its trajectory "
+                                   "wants: join it with a run of the same trajectory that does",
+                                   stored->id.value, plan.setup, left),
+                       stored->id);
   engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt, true,
                 std::move(request.announce));
   co_return *engine_.record();

@@ -20,6 +20,7 @@
 #include "server/core/ports/outside/outbox_store.h"
 #include "server/core/ports/queue_store.h"
 #include "server/core/ports/record/closure_store.h"
+#include "server/core/ports/record/indentation_store.h"
 #include "server/core/ports/record/rest_store.h"
 #include "server/core/ports/serving/plan_store.h"
 #include "server/core/ports/stop_store.h"
@@ -147,6 +148,7 @@ struct StoreParts {
   QueueStore* queue = nullptr;
   MetadataStore* metadata = nullptr;
   PlanStore* plans = nullptr;
+  IndentationStore* indentations = nullptr;
   UpkeepStore* upkeep = nullptr;
 };
 
@@ -177,6 +179,7 @@ class Store {
   QueueStore& queue() { return *parts_.queue; }
   MetadataStore& metadata() { return *parts_.metadata; }
   PlanStore& plans() { return *parts_.plans; }
+  IndentationStore& indentations() { return *parts_.indentations; }
   UpkeepStore* upkeep() { return parts_.upkeep; }
   // For a store that stands before another and answers some parts itself.
   const StoreParts& parts() const { return parts_; }

@@ -65,16 +65,63 @@ MadeIndent indent_from(const Json& json) {
           .by = json.at("by")};
 }
 
+Stage stage_from(const std::string& text) {
+  for (const Stage one : kStages)
+    if (to_string(one) == text) return one;
+  throw std::invalid_argument("stage '" + text + "' is not known");
+}
+
+Json contact_json(const ContactRecord& one) {
+  Json json = touch_json(one.touch);
+  json.update({{"stage", to_string(one.stage)},
+               {"round", one.round},
+               {"indent", one.indent},
+               {"rx_arcsec", one.rx_arcsec},
+               {"ry_arcsec", one.ry_arcsec},
+               {"by", one.by},
+               {"at", one.at},
+               {"trouble", one.trouble}});
+  return json;
+}
+
+ContactRecord contact_from(const Json& json) {
+  return {.touch = touch_from(json),
+          .stage = stage_from(json.at("stage")),
+          .round = json.at("round"),
+          .indent = json.at("indent"),
+          .rx_arcsec = json.at("rx_arcsec"),
+          .ry_arcsec = json.at("ry_arcsec"),
+          .by = json.at("by"),
+          .at = json.at("at"),
+          .trouble = json.at("trouble")};
+}
+
+Json round_json(const RoundRecord& one) {
+  return {{"round", one.round},
+          {"accepted", one.accepted},
+          {"spread_nm", one.spread_nm},
+          {"rx_arcsec", one.rx_arcsec},
+          {"ry_arcsec", one.ry_arcsec},
+          {"height_mm", one.height_mm},
+          {"by", one.by},
+          {"at", one.at}};
+}
+
+RoundRecord round_from(const Json& json) {
+  return {.round = json.at("round"),
+          .accepted = json.at("accepted"),
+          .spread_nm = json.at("spread_nm"),
+          .rx_arcsec = json.at("rx_arcsec"),
+          .ry_arcsec = json.at("ry_arcsec"),
+          .height_mm = json.at("height_mm"),
+          .by = json.at("by"),
+          .at = json.at("at")};
+}
+
 ProcedureRecord record_from(const Json& json) {
   ProcedureRecord r;
-  const std::string stage = json.at("stage");
-  bool known = false;
-  for (const Stage one : kStages)
-    if (to_string(one) == stage) {
-      r.stage = one;
-      known = true;
-    }
-  if (!known) throw std::invalid_argument("stage '" + stage + "' is not known");
+  r.key = json.value("key", std::string());
+  r.stage = stage_from(json.at("stage"));
   r.tool = json.at("tool");
   r.contacts = json.at("contacts");
   r.in_contact = json.at("in_contact");
@@ -98,25 +145,23 @@ ProcedureRecord record_from(const Json& json) {
                  .motors_mm = values_from(zero.at("motors_mm")),
                  .degc = values_from(zero.at("temperatures_degC"))};
   for (const auto& one : json.at("indents")) r.indents.push_back(indent_from(one));
+  // Of no record written before these lists were.
+  for (const auto& one : json.value("contact_list", Json::array()))
+    r.contact_list.push_back(contact_from(one));
+  for (const auto& one : json.value("rounds", Json::array())) r.rounds.push_back(round_from(one));
   return r;
 }
 
 }  // namespace
 
 std::string procedure_json(const ProcedureRecord& r) {
-  Json json{{"driftwise_indentation", 1},
-            {"stage", to_string(r.stage)},
-            {"tool", r.tool},
-            {"contacts", r.contacts},
-            {"in_contact", r.in_contact},
-            {"aside_um", r.aside_um},
-            {"corrections", r.corrections},
-            {"rx_arcsec", r.rx_arcsec},
-            {"ry_arcsec", r.ry_arcsec},
-            {"height_mm", r.height_mm},
-            {"touched", r.touched},
-            {"spread_nm", r.spread_nm},
-            {"by", r.by}};
+  Json json{{"driftwise_indentation", 1},  {"key", r.key},
+            {"stage", to_string(r.stage)}, {"tool", r.tool},
+            {"contacts", r.contacts},      {"in_contact", r.in_contact},
+            {"aside_um", r.aside_um},      {"corrections", r.corrections},
+            {"rx_arcsec", r.rx_arcsec},    {"ry_arcsec", r.ry_arcsec},
+            {"height_mm", r.height_mm},    {"touched", r.touched},
+            {"spread_nm", r.spread_nm},    {"by", r.by}};
   json["log"] = r.log;
   json["touches"] = Json::array();
   for (const auto& one : r.touches) json["touches"].push_back(touch_json(one));
@@ -132,6 +177,10 @@ std::string procedure_json(const ProcedureRecord& r) {
   json["zero"] = std::move(zero);
   json["indents"] = Json::array();
   for (const auto& one : r.indents) json["indents"].push_back(indent_json(one));
+  json["contact_list"] = Json::array();
+  for (const auto& one : r.contact_list) json["contact_list"].push_back(contact_json(one));
+  json["rounds"] = Json::array();
+  for (const auto& one : r.rounds) json["rounds"].push_back(round_json(one));
   return json.dump(1) + "\n";
 }
 

@@ -46,7 +46,8 @@ constexpr MadeService kServices[] = {
     {"driftwise.v1.RecordService", make_record_service},
     {"driftwise.v1.CommissioningService", make_commissioning_service},
     {"driftwise.v1.LookBackService", make_look_back_service},
-    {"driftwise.v1.StudyService", make_study_service}};
+    {"driftwise.v1.StudyService", make_study_service},
+    {"driftwise.v1.IndentationService", make_indentation_service}};
 constexpr const char* kAccessService = "driftwise.v1.AccessService";
 
 struct Address {

@@ -31,6 +31,7 @@ std::unique_ptr<grpc::Service> make_record_service(const application::Services& 
 std::unique_ptr<grpc::Service> make_commissioning_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_look_back_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_study_service(const application::Services& cell);
+std::unique_ptr<grpc::Service> make_indentation_service(const application::Services& cell);
 // tokens: nullptr: none are kept; links: nullptr: there is no page. All outlive the service.
 std::unique_ptr<grpc::Service> make_access_service(access::Authoriser& authoriser,
                                                    access::TokenBook* tokens,

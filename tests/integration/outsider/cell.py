@@ -38,16 +38,20 @@ def run(*words, limit=120, **more):
 
 
 class Cell:
-    def __init__(self, access=True):
+    def __init__(self, access=True, name="linear-axis", speed=100, edit=None):
         self.scratch = tempfile.TemporaryDirectory(prefix="driftwise-outsider-")
         self.folder = self.scratch.name
-        cell = os.path.join(SOURCE, "deploy", "cells", "linear-axis")
+        cell = os.path.join(SOURCE, "deploy", "cells", name)
         self.log = open(self.path("driftwised.log"), "ab")
         self.plant = subprocess.Popen(
             [BIN + "/driftwise-cellsim", "--plant", cell + "/plant.toml", "--cell", cell + "/cell.toml", "--instantiate",
-             self.folder, "--speed", "100", "--seed", "1"], stdout=subprocess.PIPE, stderr=self.log, text=True)
-        if not self.plant.stdout.readline().startswith("READY "):
+             self.folder, "--speed", str(speed), "--seed", "1"], stdout=subprocess.PIPE, stderr=self.log, text=True)
+        ready = self.plant.stdout.readline()
+        if not ready.startswith("READY "):
             raise SystemExit("driftwise-cellsim did not start")
+        self.devices = json.loads(ready[len("READY "):])
+        for found, instead in edit or []:
+            self.edit("cell.toml", found, instead)
         self.daemon = None
         if access:
             made = self.cli("cert", "init", "--name", "127.0.0.1")
@@ -59,6 +63,35 @@ class Cell:
                            'certificate = "tls/server.pem"\nkey = "tls/server.key"\nauthority = "tls/authority.pem"\n'
                            'revoked = "tls/revoked.pem"\n')
         self.start()
+
+    # Other text in a file of the cell's folder, wherever `found` is.
+    def edit(self, name, found, instead):
+        with open(self.path(name), encoding="utf-8") as file:
+            text = file.read()
+        if found not in text:
+            raise SystemExit(f"FAILED: {name} has no {found!r}")
+        self.write(name, text.replace(found, instead))
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
+    # A line to the simulated cell: "fault break-beam laser-x"; its answer.
+    def control(self, line):
+        host, port = self.devices["control"].split("//")[-1].rsplit(":", 1)
+        with socket.create_connection((host, int(port)), 20) as connection:
+            connection.sendall(line.encode() + b"\n")
+            return connection.makefile(encoding="utf-8").readline().strip()
+
+    # Exit code and error of a command that must be refused.
+    def refusal(self, *words, **more):
+        done = self.cli(*words, "--json", **more)
+        lines = [line for line in done.stderr.splitlines() if line.startswith("{")]
+        if done.returncode == 0 or not lines:
+            raise SystemExit(f"FAILED: driftwise {' '.join(words)} was not refused: {done.stdout}{done.stderr}")
+        error = json.loads(lines[-1])["error"]
+        return done.returncode, error["reason"], error["message"]
 
     def path(self, *names):
         return os.path.join(self.folder, *names)

@@ -6,10 +6,12 @@
 
 #include "clients/cli/commands/indentation/indent_checks.h"
 #include "clients/cli/commands/indentation/indent_page.h"
+#include "clients/cli/commands/indentation/indent_report.h"
 #include "clients/cli/commands/indentation/wire_cell.h"
 #include "clients/cli/core/hold_question.h"
 #include "clients/cli/core/text.h"
 #include "clients/cli/core/value_or_throw.h"
+#include "driftwise/v1/indentation_service.grpc.pb.h"
 #include "server/core/reasons.h"
 #include "server/core/text/shown_text.h"
 #include "server/formats/indentation/indents_csv.h"
@@ -29,8 +31,19 @@ struct IndentArguments {
 
 std::string record_path(const std::string& file) { return file + ".state.json"; }
 
+formats::IndentationFile file_of(const std::string& text, const IndentArguments& a) {
+  return value_or_throw(formats::read_indentation_file(text, a.file));
+}
+
 formats::IndentationFile read_file(const IndentArguments& a) {
-  return value_or_throw(formats::read_indentation_file(read_input_file(a.file), a.file));
+  return file_of(read_input_file(a.file), a);
+}
+
+// "12": an indentation of the daemon's record, not a file.
+std::int64_t number_in(const std::string& text) {
+  const bool is_number = !text.empty() && text.size() <= 18 &&
+                         text.find_first_not_of("0123456789") == std::string::npos;
+  return is_number ? std::stoll(text) : 0;
 }
 
 ProcedureRecord stored_record(const std::string& file) {
@@ -58,7 +71,8 @@ Failure failure_of_procedure(const Error& error) {
 
 ExitCode start(const Session& session, const IndentArguments& a) {
   const auto& console = session.console;
-  const auto file = read_file(a);
+  const auto text = read_input_file(a.file);
+  const auto file = file_of(text, a);
   ProcedureRecord record;
   if (std::filesystem::exists(record_path(a.file)) && !a.fresh) record = stored_record(a.file);
   const auto connection = session.connect();
@@ -69,11 +83,16 @@ ExitCode start(const Session& session, const IndentArguments& a) {
   }
   WireCell cell(connection, file,
                 answer_about_present_run(console, connection, a.hold, "Move the robots"));
+  IndentReport report(connection, console, text, record);
+  write_output_file(record_path(a.file), formats::procedure_json(record));
+  console.err << "indentation " << report.id() << '\n';
   std::size_t said = record.log.size();
   const auto done = carry_out(cell, file.rules, record, [&](const ProcedureRecord& now) {
     write_output_file(record_path(a.file), formats::procedure_json(now));
     for (; said < now.log.size(); ++said) console.err << now.log[said] << '\n' << std::flush;
+    report.report(now);
   });
+  report.report(record, done ? "all indents are made" : done.error().message);
   if (!done && done.error().code == ErrorCode::cancelled)
     throw Failure{ExitCode::interrupted, "cancelled", done.error().reason, done.error().message};
   if (!done) throw failure_of_procedure(done.error());
@@ -88,6 +107,10 @@ ExitCode start(const Session& session, const IndentArguments& a) {
 }
 
 ExitCode show(const Session& session, const IndentArguments& a) {
+  if (const auto id = number_in(a.file); id > 0) {
+    print_stored_indentation(session, id, a.output);
+    return ExitCode::done;
+  }
   const auto file = read_file(a);
   const auto record = stored_record(a.file);
   if (session.console.json) {
@@ -135,10 +158,26 @@ void print_answers(const Console& console, const ProcedureRecord& record) {
   for (const auto& [what, indents] : by) console.out << "  " << indents << ": " << what << '\n';
 }
 
+// The table onto the daemon's record; without a daemon it is only printed.
+void import_into_daemon(const Session& session, const std::string& key, const std::string& csv) {
+  if (key.empty()) return;
+  try {
+    const auto connection = session.connect();
+    v1::ImportIndentTableRequest request;
+    request.set_indentation_id(indentation_of_key(connection, key));
+    request.set_microscope_csv(csv);
+    connection.ask(&v1::IndentationService::Stub::ImportIndentTable, request);
+  } catch (const Failure& failure) {
+    session.console.err << "the table is not on the daemon's record, and not on its page: "
+                        << failure.message << '\n';
+  }
+}
+
 ExitCode import(const Session& session, const IndentArguments& a) {
   const auto file = read_file(a);
   const auto record = stored_record(a.file);
-  const auto rows = value_or_throw(formats::read_microscope_csv(read_input_file(a.table), a.table));
+  const auto csv = read_input_file(a.table);
+  const auto rows = value_or_throw(formats::read_microscope_csv(csv, a.table));
   if (record.stage != indentation::Stage::microscope)
     throw Failure{ExitCode::refused, "failed_precondition", "NOT_NOW",
                   "the indentation is at stage " + std::string(to_string(record.stage)) +
@@ -150,6 +189,7 @@ ExitCode import(const Session& session, const IndentArguments& a) {
                       ": its lever and force would be another tool's"};
   const auto indents = in_file(a.table, indentation::indents_seen(record, rows));
   if (!a.output.empty()) write_output_file(a.output, formats::write_indents_csv(indents));
+  import_into_daemon(session, record.key, csv);
   const auto code = print_table(session, indents, file.tool, file.wanted_um);
   print_answers(session.console, record);
   return code;
@@ -176,8 +216,18 @@ void add_indent_commands(CLI::App& app, Session& session) {
   starting.add_flag("--fresh", a->fresh,
                     "begin anew: the record of an earlier start, FILE.state.json, is overwritten");
   add_hold_options(starting, a->hold);
-  file(add_command(indent, session, "show", "The record of an indentation: stage, contacts, log",
-                   [&session, a] { return show(session, *a); }));
+  add_command(indent, session, "list", "The indentations on the daemon's record, newest first",
+              [&session] {
+                print_indentation_list(session);
+                return ExitCode::done;
+              });
+  CLI::App& showing = add_command(indent, session, "show",
+                                  "The record of an indentation: stage, contacts, log, verdict",
+                                  [&session, a] { return show(session, *a); });
+  showing.add_option("WHAT", a->file, "its number on the daemon's record, or indentation.toml")
+      ->required();
+  showing.add_option("-o,--output", a->output,
+                     "of a number: its record into FILE.state.json, to continue elsewhere");
   CLI::App& importing =
       add_command(indent, session, "import",
                   "The microscope's table onto the indents made: table, force, tool, verdict",

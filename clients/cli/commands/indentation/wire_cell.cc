@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "clients/cli/commands/indentation/indent_checks.h"
+#include "clients/cli/core/text.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -49,6 +50,7 @@ void WireCell::follow() {
                            channel.value = value.value();
                            ++channel.count;
                          }
+                         last_ = response.reading().end_time();
                          arrived_.notify_all();
                          return !ending_;
                        });
@@ -188,6 +190,11 @@ Result<void> WireCell::wait(double cell_s) {
   DRIFTWISE_RETURN_IF_ERROR(interrupted());
   std::this_thread::sleep_for(std::chrono::duration<double>(cell_s / speed_));
   return {};
+}
+
+std::string WireCell::utc() {
+  const std::lock_guard lock(mutex_);
+  return iso_text(last_);
 }
 
 std::string WireCell::live_channel(const std::string& coordinate) {

@@ -34,6 +34,7 @@ class WireCell final : public indentation::TouchingCell {
   Result<Eigen::MatrixXd> look() override;
   Result<void> wait(double cell_s) override;
   Result<Here> here() override;
+  std::string utc() override;
 
  private:
   struct Channel {
@@ -63,6 +64,7 @@ class WireCell final : public indentation::TouchingCell {
   std::condition_variable arrived_;
   std::map<std::string, Channel> latest_;
   std::string lost_;  // why the stream ended
+  google::protobuf::Timestamp last_;
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

@@ -19,6 +19,7 @@ export const views: readonly ViewEntry[] = [
   { name: 'queue', title: 'Queue', key: 'q', load: () => import('@/views/queue/view') },
   { name: 'models', title: 'Models', key: 'm', load: () => import('@/views/models/view') },
   { name: 'plans', title: 'Plans', key: 'p', load: () => import('@/views/plans/view') },
+  { name: 'indentation', title: 'Indentation', key: 'o', load: () => import('@/views/indentation/view') },
   { name: 'procedure', title: 'Procedure', key: 's', load: () => import('@/views/procedure/view') },
   { name: 'diagnosis', title: 'Diagnosis', key: 'd', load: () => import('@/views/diagnosis/view') },
   { name: 'targets', title: 'Targets', key: 'a', load: () => import('@/views/targets/view') },

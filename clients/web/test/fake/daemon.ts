@@ -9,6 +9,7 @@ import { DiagnosisService } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { CheckFormulaResponseSchema, ListResidualsResponseSchema, ModelService, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
 import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
 import { CheckTrajectoryResponseSchema, RunService } from '@/api/gen/driftwise/v1/run_service_pb';
+import { IndentationService } from '@/api/gen/driftwise/v1/indentation_service_pb';
 import { PlanService, RobotAnswer_By } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { QueueEntry_State, QueueService } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { MapTargetsResponseSchema, TargetService } from '@/api/gen/driftwise/v1/target_service_pb';
@@ -18,8 +19,10 @@ import { WatchService, type Alarm } from '@/api/gen/driftwise/v1/watch_service_p
 import { timestampOf } from '@/format/time';
 import { at, fakeAlarm, fakeAttempts, fakeBatch, fakeNowMs, fakePoints, fakeRun, fakeStatus, fakeValue, startMs } from './cell';
 import { afterNm, beforeNm, diagnosis, improvement, rows } from './diagnoses';
+import { indentation, indentationRecord } from './indentation';
 import { model, outputs, target, termNames } from './models';
 import { comparison, sensorStudy } from './studies';
+import table81 from './table_8_1.json';
 
 const pause = (ms: number) => new Promise((done) => setTimeout(done, ms));
 const untilLeft = async (signal: AbortSignal, tell: (ended: boolean) => void) => {
@@ -46,6 +49,7 @@ export interface FakeWishes {
   alarms?: Alarm[]; // that stand; absent: one
   moved?: (entry: bigint, before: bigint | undefined) => void; // an entry of the queue
   released?: () => void; // the queue was
+  lostAt?: number; // contacts after which the client of the indentation was lost
   promoted?: (plan: bigint) => void; // a serving plan was
   endless?: (ended: boolean) => void; // studies never end; called when one begins, and when its client left
 }
@@ -66,6 +70,14 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
     });
     service(StudyService, {
       getProcedure: () => ({ steps: procedureSteps }),
+    });
+    service(IndentationService, {
+      listIndentations: () => ({ indentations: [indentation(wishes.lostAt)] }),
+      getIndentation: () => ({
+        indentation: indentation(wishes.lostAt),
+        recordJson: JSON.stringify(indentationRecord(wishes.lostAt)),
+        tableJson: wishes.lostAt === undefined ? JSON.stringify(table81) : '',
+      }),
     });
     service(PlanService, {
       listPlans: () => ({ plans: [{ id: 1n, name: 'joint', version: 1, createdBy: 'anna', createTime: at(2), serves: true, modelIds: [10n, 11n, 12n] }, { id: 2n, name: 'joint', version: 2, createdBy: 'anna', createTime: at(3), modelIds: [10n, 12n] }] }),

@@ -98,6 +98,7 @@ TEST(MicroscopeCsv, ReadsContactsByTheirNumber) {
 
 TEST(ProcedureJson, KeepsEveryField) {
   indentation::ProcedureRecord record;
+  record.key = "a key";
   record.stage = indentation::Stage::indents;
   record.tool = "diamond 3";
   record.contacts = 9;
@@ -109,6 +110,14 @@ TEST(ProcedureJson, KeepsEveryField) {
   record.indents.push_back({.planned = {.id = "x100", .at_um = 100, .closed_loop = true},
                             .touch = {.height_mm = 1.6, .contact = 8},
                             .rx_arcsec = -1.6});
+  record.contact_list.push_back({.touch = {.x_mm = 0.5, .contact = 9},
+                                 .stage = indentation::Stage::zero,
+                                 .round = 1,
+                                 .indent = "x100",
+                                 .by = "plan 1",
+                                 .at = "2011-05-01T10:00:00Z",
+                                 .trouble = "lost"});
+  record.rounds.push_back({.round = 1, .accepted = true, .spread_nm = 250, .by = "plan 1"});
   const std::string text = procedure_json(record);
   const auto read = read_procedure_json(text, "state.json");
   ASSERT_TRUE(read) << read.error().message;

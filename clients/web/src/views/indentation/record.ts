@@ -1,0 +1,90 @@
+// The two documents of an indentation, as the daemon hands them on: docs/indentation.md has their keys.
+
+interface Touch {
+  x_mm: number;
+  y_mm: number;
+  height_mm: number;
+  u_nm: number;
+  steps: number;
+  contact: number; // number on the substrate, from 1
+}
+
+export interface Contact extends Touch {
+  stage: string;
+  round: number; // corrections made before it
+  indent: string; // empty: no indent
+  rx_arcsec: number; // commanded to the robot below
+  ry_arcsec: number;
+  by: string;
+  at: string; // UTC, ISO 8601; empty: unknown
+  trouble: string; // empty: found and recorded
+}
+
+export interface Round {
+  round: number;
+  accepted: boolean;
+  spread_nm: number;
+  rx_arcsec: number; // commanded from then on
+  ry_arcsec: number;
+  height_mm: number;
+  by: string;
+  at: string;
+}
+
+export interface IndentationRecord {
+  driftwise_indentation: number;
+  stage: string;
+  corrections: number;
+  log: string[];
+  contact_list: Contact[];
+  rounds: Round[];
+}
+
+export interface IndentRow {
+  id: string;
+  line: string;
+  wanted_um: number;
+  rx_arcsec: number;
+  ry_arcsec: number;
+  measured_um: number;
+  half_width_um: number;
+  u_um: number;
+  error_um: number;
+  rotations_um: number;
+  lever_um: number;
+  rest_um: number;
+  force_mN?: number;
+}
+
+export interface IndentTable {
+  driftwise_indents: number;
+  lever_mm: number;
+  indents: IndentRow[];
+  lines: { line: string; rms_um: number; lever_factor: number; u_lever_factor: number; scale_ppm: number; u_scale_ppm: number; correlation: number }[];
+  indistinguishable: string[];
+  separating: string[];
+  verdict: string;
+  change: string[];
+}
+
+// undefined: written by a later version, or damaged.
+function read<T>(text: string, version: string): T | undefined {
+  try {
+    const found = JSON.parse(text);
+    return found[version] === 1 ? found : undefined;
+  } catch {
+    return undefined;
+  }
+}
+export function recordFrom(text: string): IndentationRecord | undefined {
+  const record = read<IndentationRecord>(text, 'driftwise_indentation');
+  return record && { ...record, contact_list: record.contact_list ?? [], rounds: record.rounds ?? [] };
+}
+export const tableFrom = (text: string) => read<IndentTable>(text, 'driftwise_indents');
+
+// "plan 1, mn=5, ma=coarse:2" with the contacts that it moved to.
+export function answers(contacts: readonly Contact[]): { by: string; contacts: string }[] {
+  const found = new Map<string, number[]>();
+  for (const one of contacts) found.set(one.by, [...(found.get(one.by) ?? []), one.contact]);
+  return [...found].map(([by, numbers]) => ({ by: by || 'unknown', contacts: numbers.join(', ') }));
+}
