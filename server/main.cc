@@ -82,9 +82,9 @@ int exit_code_of(const Error& error) {
   return bad_input ? 3 : 5;
 }
 
-Result<application::Devices> make_devices(const CellDescription& cell,
-                                          const DeviceContext& context) {
+Result<application::Devices> make_devices(const CellDescription& cell, DeviceContext context) {
   DRIFTWISE_RETURN_IF_ERROR(application::check_usable(cell));
+  context.shared = std::make_shared<SharedByAddress>();
   application::Devices devices;
   for (const auto& device : cell.devices) {
     DRIFTWISE_TRY(auto made, find_kind(cell.kinds, device.kind)->make(device, context));

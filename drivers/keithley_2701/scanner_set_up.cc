@@ -1,6 +1,7 @@
 // The scanner's set-up: after every new connection, and checked by what the scanner says about it.
 
 #include <cstdio>
+#include <utility>
 
 #include "drivers/keithley_2701/scanner.h"
 #include "server/core/reasons.h"
@@ -21,6 +22,7 @@ std::string number(double value) {
 
 Awaitable<Result<void>> Scanner::set_up() {
   layout_.reset();
+  selected_.reset();
   anchor_.forget();
   // A serial line keeps half a command of whoever was here before: break it off and end it.
   if (auto sent = co_await link_.tell("\x03" + options_.send_end, timeout_); !sent) co_return sent;
@@ -31,13 +33,13 @@ Awaitable<Result<void>> Scanner::set_up() {
     co_return nonsense({ErrorCode::failed_precondition, reasons::kWrongDevice,
                         "expected a KEITHLEY MODEL 2700, 2701 or 2750"});
 
-  // *RST and *CLS are slow; *OPC? says when they are over. The scan's time-out is long enough for
+  // *RST and *CLS are slow; *OPC? says when they are over. A scan's time-out is long enough for
   // them.
   for (const char* command : {"*RST", "*CLS"}) {
     if (auto sent = co_await tell(command); !sent) co_return sent;
   }
   DRIFTWISE_CO_TRY(const auto complete,
-                   co_await link_.ask("*OPC?" + options_.send_end, scan_timeout_));
+                   co_await link_.ask("*OPC?" + options_.send_end, scan_timeout(lists_.front())));
   if (transport::without_line_ends(complete) != "1")
     co_return nonsense({ErrorCode::data_loss, reasons::kBadReply, "expected 1"});
 
@@ -50,14 +52,33 @@ Awaitable<Result<void>> Scanner::set_up() {
   link_.set_identity(identity_text + " [" + card_text + "]");
 
   if (auto done = co_await configure(); !done) co_return done;
-  if (auto same = co_await compare_scan_list(); !same) co_return same;
+  for (std::size_t i = 0; i < lists_.size(); ++i) {
+    if (auto done = co_await select(i); !done) co_return done;
+    if (auto same = co_await compare_scan_list(lists_[i]); !same) co_return same;
+  }
   if (auto clean = co_await drain_errors(); !clean) co_return clean;
   co_return Result<void>{};
 }
 
+namespace {
+
+// Function and parameters of each input of the list.
+std::vector<std::string> functions_of(const ScanList& one) {
+  const std::string list = encode_channel_list(one.inputs);
+  const auto& options = one.options;
+  if (one.function == ScanFunction::dc_volts)
+    return {"FUNC 'VOLT'," + list, "VOLT:RANG " + number(options.range_v) + "," + list,
+            "VOLT:NPLC " + number(options.nplc) + "," + list};
+  return {"FUNC 'FRES'," + list,  // never RES: one ohm of lead is 0.26 K
+          "FRES:RANG " + number(options.range_ohm) + "," + list,
+          "FRES:OCOM " + std::string(options.offset_compensation ? "ON" : "OFF") + "," + list,
+          "FRES:NPLC " + number(options.nplc) + "," + list};
+}
+
+}  // namespace
+
 Awaitable<Result<void>> Scanner::configure() {
-  const std::string list = encode_channel_list(scanned_);
-  const std::vector<std::string> commands{
+  std::vector<std::string> commands{
       "TRAC:CLE",
       "INIT:CONT OFF",  // with it on, SAMP:COUN above 1 is refused
       "FORM:ELEM READ,CHAN,TST",
@@ -65,30 +86,42 @@ Awaitable<Result<void>> Scanner::configure() {
       "TRIG:COUN 1",  // later scans would overwrite earlier ones
       "TRIG:DEL 0",
       "ROUT:SCAN:LSEL NONE",  // before the list may change
-      "FUNC 'FRES'," + list,  // never RES: one ohm of lead is 0.26 K
-      "FRES:RANG " + number(options_.range_ohm) + "," + list,
-      "FRES:OCOM " + std::string(options_.offset_compensation ? "ON" : "OFF") + "," + list,
-      "FRES:NPLC " + number(options_.nplc) + "," + list,
-      "SAMP:COUN " + std::to_string(scanned_.size()),
-      "ROUT:SCAN " + list,  // after FUNC, which may have shrunk it silently
-      "ROUT:SCAN:TSO IMM",
-      "ROUT:SCAN:LSEL INT",
   };
+  for (const auto& list : lists_) {
+    auto more = functions_of(list);
+    commands.insert(commands.end(), more.begin(), more.end());
+  }
   for (const auto& command : commands) {
     if (auto sent = co_await tell(command); !sent) co_return sent;
   }
   co_return Result<void>{};
 }
 
-Awaitable<Result<void>> Scanner::compare_scan_list() {
+// After FUNC, which may have shrunk the list silently.
+Awaitable<Result<void>> Scanner::select(std::size_t number) {
+  const ScanList& list = lists_[number];
+  std::vector<std::string> commands;
+  if (std::exchange(selected_, std::nullopt)) commands.emplace_back("ROUT:SCAN:LSEL NONE");
+  commands.push_back("SAMP:COUN " + std::to_string(list.inputs.size()));
+  commands.push_back("ROUT:SCAN " + encode_channel_list(list.inputs));
+  commands.emplace_back("ROUT:SCAN:TSO IMM");
+  commands.emplace_back("ROUT:SCAN:LSEL INT");
+  for (const auto& command : commands) {
+    if (auto sent = co_await tell(command); !sent) co_return sent;
+  }
+  selected_ = number;
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Scanner::compare_scan_list(const ScanList& wanted) {
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("ROUT:SCAN?"));
   const auto list = parse_channel_list(reply);
   if (!list) co_return nonsense(list.error());
-  if (*list == scanned_) co_return Result<void>{};
+  if (*list == wanted.inputs) co_return Result<void>{};
   co_return link_.refused(
       reasons::kScanList,
-      "asked to scan " + encode_channel_list(scanned_) +
-          ": an input is missing, or it is one of the pair of a four-wire channel "
+      "asked to scan " + encode_channel_list(wanted.inputs) + " for '" + wanted.device +
+          "': an input is missing, or it is one of the pair of a four-wire channel "
           "(a 20-channel card scans 101..110 in four-wire)");
 }
 

@@ -184,8 +184,13 @@ FaultHooks hooks_of(CellPlant& plant, LyingPlant& lying, const CellOutline& outl
     return place.has_value();
   };
   hooks.open_probe = [&plant](int input, bool open, TimeNs now) {
-    if (!plant.has_probe(input)) return false;
+    if (!plant.has_probe(input) && !plant.has_voltage(input)) return false;
     plant.set_probe_open(input, open, now);
+    return true;
+  };
+  hooks.input_volt = [&plant](int input, std::optional<double> volts, TimeNs now) {
+    if (!plant.has_voltage(input)) return false;
+    plant.set_input_volt(input, volts, now);
     return true;
   };
   hooks.disturb = [&plant, epoch](TimeNs from, TimeNs until, double amplitude_nm) {

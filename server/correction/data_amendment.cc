@@ -19,7 +19,11 @@ DatumKey datum_key(const Dataset& dataset, const std::vector<RowOrigin>& origins
   return {origins[row].run.value, dataset.datum.empty() ? 0 : dataset.datum[row]};
 }
 
-std::vector<std::string> symbols_read(const LengthShift& shift) {
+const std::vector<double>& weights_of(const LengthShift& shift) { return shift.mm; }
+const std::vector<double>& weights_of(const AngleShift& shift) { return shift.arcsec; }
+
+template <class Shift>
+std::vector<std::string> symbols_read(const Shift& shift) {
   std::vector<std::string> symbols;
   for (const auto& term : shift.terms)
     for (const auto& symbol : effects::symbols_of(term))
@@ -27,26 +31,30 @@ std::vector<std::string> symbols_read(const LengthShift& shift) {
   return symbols;
 }
 
-double weighted(const std::vector<double>& columns, const std::vector<double>& mm) {
+double weighted(const std::vector<double>& columns, const std::vector<double>& weights) {
   double sum = 0;
-  for (std::size_t j = 0; j < columns.size(); ++j) sum += columns[j] * mm[j];
+  for (std::size_t j = 0; j < columns.size(); ++j) sum += columns[j] * weights[j];
   return sum;
 }
 
-bool holds_for(const LengthShift& shift, RunId run) {
+template <class Shift>
+bool holds_for(const Shift& shift, RunId run) {
   return shift.runs.empty() || std::ranges::find(shift.runs, run) != shift.runs.end();
 }
 
 // Of the dataset's time_s against the clock that the shift's terms read.
-double clock_offset_s(const LengthShift& shift, CellTime time_zero) {
+template <class Shift>
+double clock_offset_s(const Shift& shift, CellTime time_zero) {
   if (time_zero.utc_ns == 0 || shift.clock_origin.utc_ns == 0) return 0;
   return seconds_from(time_zero - shift.clock_origin);
 }
 
-// mm per row; nothing: a channel is not there at all.
-Result<std::optional<std::vector<double>>> shift_mm(const LengthShift& shift,
-                                                    const std::vector<RowOrigin>& origins,
-                                                    CellTime time_zero, const Dataset& dataset) {
+// mm or arcsec per row; nothing: a channel is not there at all.
+template <class Shift>
+Result<std::optional<std::vector<double>>> shift_by_row(const Shift& shift,
+                                                        const std::vector<RowOrigin>& origins,
+                                                        CellTime time_zero,
+                                                        const Dataset& dataset) {
   using Rows = std::optional<std::vector<double>>;
   const auto symbols = symbols_read(shift);
   std::vector<std::span<const double>> values;
@@ -59,7 +67,7 @@ Result<std::optional<std::vector<double>>> shift_mm(const LengthShift& shift,
   std::vector<double> now(symbols.size()), zero(symbols.size()), columns(shift.terms.size());
   const double offset_s = clock_offset_s(shift, time_zero);
   std::map<DatumKey, double> at_zero;
-  std::vector<double> mm(dataset.rows, 0.0);
+  std::vector<double> by_row(dataset.rows, 0.0);
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     if (!holds_for(shift, origins[row].run)) continue;
     const double time_s = dataset.time_s.empty() ? 0.0 : dataset.time_s[row] + offset_s;
@@ -72,13 +80,13 @@ Result<std::optional<std::vector<double>>> shift_mm(const LengthShift& shift,
     if (begin == at_zero.end()) {
       auto fork = evaluator;
       fork.step(time_s, zero, columns);
-      const double there = weighted(columns, shift.mm);
+      const double there = weighted(columns, weights_of(shift));
       begin = at_zero.emplace(key, std::isfinite(there) ? there : 0.0).first;
     }
     evaluator.step(time_s, now, columns);
-    mm[row] = weighted(columns, shift.mm) - begin->second;
+    by_row[row] = weighted(columns, weights_of(shift)) - begin->second;
   }
-  return Rows(std::move(mm));
+  return Rows(std::move(by_row));
 }
 
 void split_datums(const DataAmendment& amendment, const std::vector<RowOrigin>& origins,
@@ -110,14 +118,24 @@ Result<void> amend(const DataAmendment& amendment, const std::vector<RowOrigin>&
       std::erase_if(dataset.columns, [&](const DatasetColumn& column) {
         return column.channel.symbol == left_out.symbol;
       });
-  // All shifts from what was measured, then all lengths: none sees another's.
-  std::vector<std::pair<std::size_t, std::vector<double>>> found;
+  // All shifts from what was measured, then all columns: none sees another's.
+  std::vector<std::pair<std::size_t, std::vector<double>>> found, turned;
   for (const auto& shift : amendment.shifts) {
     const auto* column = dataset.find(shift.axis);
     if (column == nullptr || !is_length(column->channel.unit)) continue;
-    DRIFTWISE_TRY(auto mm, shift_mm(shift, origins, time_zero, dataset));
+    DRIFTWISE_TRY(auto mm, shift_by_row(shift, origins, time_zero, dataset));
     if (mm)
       found.emplace_back(static_cast<std::size_t>(column - dataset.columns.data()), std::move(*mm));
+  }
+  for (const auto& shift : amendment.angles) {
+    const auto* column = dataset.find(shift.axis);
+    if (column == nullptr || !is_angle(column->channel.unit)) continue;
+    DRIFTWISE_TRY(auto arcsec, shift_by_row(shift, origins, time_zero, dataset));
+    if (!arcsec) continue;
+    const double arcsec_per_unit = summary_unit(column->channel.unit).factor;
+    for (double& value : *arcsec) value /= arcsec_per_unit;
+    turned.emplace_back(static_cast<std::size_t>(column - dataset.columns.data()),
+                        std::move(*arcsec));
   }
   for (const auto& [index, mm] : found) {
     auto& column = dataset.columns[index];
@@ -125,6 +143,9 @@ Result<void> amend(const DataAmendment& amendment, const std::vector<RowOrigin>&
     for (std::size_t row = 0; row < dataset.rows; ++row)
       column.values[row] -= mm[row] / mm_per_unit;
   }
+  for (const auto& [index, by_row] : turned)
+    for (std::size_t row = 0; row < dataset.rows; ++row)
+      dataset.columns[index].values[row] -= by_row[row];
   return {};
 }
 

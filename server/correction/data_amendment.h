@@ -31,6 +31,20 @@ struct LengthShift {
   bool operator==(const LengthShift&) const = default;
 };
 
+// The same of a rotation that drifts by itself, such as one that is seen over a 45 degree mirror
+// whose mount warms: rotation_true = rotation_read - sum of arcsec * term. Lengths stay as they
+// were corrected with the rotation that was read.
+struct AngleShift {
+  std::string axis;  // "ry"
+  std::vector<effects::Term> terms;
+  std::vector<double> arcsec;    // per unit of each term
+  std::vector<double> u_arcsec;  // standard uncertainty of each
+  std::string source;            // where they come from: "41 returns to zero of run 3"
+  std::vector<RunId> runs;       // empty: every run
+  CellTime clock_origin;
+  bool operator==(const AngleShift&) const = default;
+};
+
 struct DatumSplit {  // from this row of the trajectory on, in time, it is another datum
   RunId run;
   std::int64_t row = 0;
@@ -47,8 +61,11 @@ struct DataAmendment {
   std::vector<LengthShift> shifts;
   std::vector<DatumSplit> splits;
   std::vector<SensorLeftOut> sensors;
+  std::vector<AngleShift> angles = {};
   bool operator==(const DataAmendment&) const = default;
-  bool empty() const { return shifts.empty() && splits.empty() && sensors.empty(); }
+  bool empty() const {
+    return shifts.empty() && splits.empty() && sensors.empty() && angles.empty();
+  }
 };
 
 struct RowOrigin {  // where a row of a dataset comes from

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 
 namespace driftwise::plausibility {
 namespace {
@@ -23,6 +24,8 @@ constexpr double kFastest_mm_s = 100;
 constexpr double kMotionStep_mm = 0.05;
 // Field of an autocollimator of this kind.
 constexpr double kWidest_arcsec = 400;
+// 30 deg: no triangulation sensor sees a plate that leans so far away from it.
+constexpr double kSteepestPlate_arcsec = 108000;
 constexpr double kForceStep_n = 0.02;  // the nearest of an actuator's own weights
 
 double fastest_mm_s(const CellDescription& cell) {
@@ -96,6 +99,37 @@ ChannelLimit by_unit(std::string_view unit) {
   return limit;
 }
 
+// Of a quantity that a voltage stands for: the range in which its sensor is valid. nullopt: another
+// channel.
+std::optional<ChannelLimit> of_voltages(const CellDescription& cell,
+                                        const DeviceDescription& device, std::string_view channel) {
+  ChannelLimit limit;
+  limit.source = "range of the sensor, min_v .. max_v";
+  const auto& sensors = device.voltages.sensors;
+  for (const auto& sensor : sensors) {
+    if (sensor.channel.name() != channel) continue;
+    // A length counts from its zero, which may lie anywhere in the range.
+    if (device.length()) return of_length(cell);
+    const auto [low, high] = range_of(sensor);
+    const double friction = device.voltages.motor ? device.voltages.motor->friction_n : 0;
+    limit.min = low - friction;
+    limit.max = high + friction;
+    // Beyond its range it is a state: a point without force.
+    limit.missing = device.role() == DeviceRole::force ? Missing::allowed : Missing::rejected;
+    limit.frozen_answers = -1;
+    return limit;
+  }
+  for (const auto& angle : device.angles())
+    if (device.voltages.is_plate && angle.channel.name() == channel) {
+      limit.min = -kSteepestPlate_arcsec;
+      limit.max = kSteepestPlate_arcsec;
+      limit.frozen_answers = -1;
+      limit.source = "a plate under three sensors";
+      return limit;
+    }
+  return std::nullopt;
+}
+
 ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& device,
                         std::string_view channel, std::string_view unit) {
   for (const auto& axis : device.axes())
@@ -104,6 +138,9 @@ ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& de
     if (probe.channel.name() == channel)
       return probe.part == "air" ? temperature(kAirStep_k, kAir_k_per_s, "air in a laboratory")
                                  : temperature(kPartStep_k, kPart_k_per_s, "a part of a machine");
+  if (!device.voltages.sensors.empty()) {
+    if (const auto limit = of_voltages(cell, device, channel)) return *limit;
+  }
   if (device.length() && device.length()->channel.name() == channel) return of_length(cell);
   for (const auto& angle : device.angles())
     if (angle.channel.name() == channel) {

@@ -39,6 +39,8 @@ struct EmulatorKind {
   // Throws SetupError: the plant has no such place, a switch has no such value.
   std::unique_ptr<Emulator> (*make)(Plant& plant, const Switches& switches, PlantPlaces& places,
                                     TimeNs now);
+  // Devices of the cell file with one address are one emulated device: the first one's.
+  bool is_shared_by_address = false;
 };
 
 }  // namespace driftwise::simulated

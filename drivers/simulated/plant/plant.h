@@ -106,6 +106,9 @@ class PlantThermometers {
   // Four-wire resistance of the pt1000 on scanner input 101, 102, ..; NaN when the probe is open.
   virtual double probe_ohm(int input, TimeNs now) = 0;
   virtual bool has_probe(int input) const = 0;
+  // Voltage between the wires of an input to which a sensor is connected.
+  virtual double input_volt(int /*input*/, TimeNs /*now*/) { return 0; }
+  virtual bool has_voltage(int /*input*/) const { return false; }
 
  protected:
   ~PlantThermometers() = default;

@@ -89,6 +89,25 @@ struct ThermometerParameters {
   double r0_ohm = 0, a_per_k = 0, b_per_k2 = 0, certificate_r0_ohm = 0;
 };
 
+// A sensor whose output is a voltage at an input of the scanner.
+struct VoltageParameters {
+  enum class Sees {
+    column,  // a column of the truth
+    height,  // of the plate at a place, along z, mm
+    motor,   // force of an axis' motor with its dry friction, N
+  };
+  std::string name{};
+  int input = 0;
+  // V per unit of what it sees; is_sine: at a sine of 1. Never beyond +-limit_v.
+  double volt_per_unit = 0, zero_v = 0, noise_v = 0, limit_v = 0;
+  Sees sees = Sees::column;
+  std::string column{};  // also of a motor: the force that it holds up by load_share
+  bool is_sine = false;
+  double x_mm = 0, y_mm = 0;
+  int axis = 0;
+  double stiffness_n_mm = 0, friction_n = 0, travel_mm = 0, load_share = 0;
+};
+
 // What every simulated cell has, whatever its robot.
 struct CellParameters {
   double reference_degc = 0, start_hours_before = 0;
@@ -101,7 +120,8 @@ struct CellParameters {
   std::vector<StabiliserParameters> stabilisers{};
   double scanner_noise_ohm = 0, scanner_resolution_ohm = 0;
   std::vector<ThermometerParameters> thermometers{};
-  std::vector<Hidden> hidden{};   // nothing by default
+  std::vector<VoltageParameters> voltages{};  // none by default
+  std::vector<Hidden> hidden{};               // nothing by default
   int box_air_part = kRoom;       // air of a box that can be opened; kRoom: there is none
   double box_open_flow_m3_h = 0;  // exchanged with the room while it is open
 };

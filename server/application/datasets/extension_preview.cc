@@ -57,16 +57,17 @@ Result<std::vector<LengthChange>> length_changes(Store& store, RunId run,
 }
 
 bool concerns_every_run(const correction::DataAmendment& amendment) {
-  return std::ranges::any_of(amendment.shifts,
-                             [](const auto& shift) { return shift.runs.empty(); });
+  const auto is_everywhere = [](const auto& shift) { return shift.runs.empty(); };
+  return std::ranges::any_of(amendment.shifts, is_everywhere) ||
+         std::ranges::any_of(amendment.angles, is_everywhere);
 }
 
 bool concerns(const correction::DataAmendment& amendment, RunId run) {
-  return concerns_every_run(amendment) ||
-         std::ranges::any_of(amendment.shifts,
-                             [run](const auto& shift) {
-                               return std::ranges::find(shift.runs, run) != shift.runs.end();
-                             }) ||
+  const auto names_it = [run](const auto& shift) {
+    return std::ranges::find(shift.runs, run) != shift.runs.end();
+  };
+  return concerns_every_run(amendment) || std::ranges::any_of(amendment.shifts, names_it) ||
+         std::ranges::any_of(amendment.angles, names_it) ||
          std::ranges::find(amendment.splits, run, &correction::DatumSplit::run) !=
              amendment.splits.end() ||
          std::ranges::find(amendment.sensors, run, &correction::SensorLeftOut::run) !=

@@ -22,8 +22,10 @@ namespace {
 // Of the amendments in force what names runs: the rest is laid over the joined run.
 std::vector<correction::DataAmendment> of_single_runs(
     std::vector<correction::DataAmendment> amendments) {
-  for (auto& amendment : amendments)
+  for (auto& amendment : amendments) {
     std::erase_if(amendment.shifts, [](const auto& shift) { return shift.runs.empty(); });
+    std::erase_if(amendment.angles, [](const auto& shift) { return shift.runs.empty(); });
+  }
   std::erase_if(amendments, [](const auto& amendment) { return amendment.empty(); });
   return amendments;
 }

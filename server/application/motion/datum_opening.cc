@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/application/motion/joining.h"
@@ -97,6 +98,19 @@ void compare(const CellDescription& description, const DatumOpening& opening,
                     which + comparison.sentence(), datum.run);
 }
 
+const std::vector<SetupConfirmation>& confirmations_of(const RunScope& scope) {
+  static const std::vector<SetupConfirmation> none;
+  const auto* setup = scope.bench.devices.setup();
+  return setup ? setup->confirmations : none;
+}
+
+// Counts from the new zero, or is a difference of what does.
+bool is_of_confirmation(const RunScope& scope, const std::string& channel) {
+  return std::ranges::any_of(confirmations_of(scope), [&channel](const SetupConfirmation& one) {
+    return one.confirmed().name() == channel || one.difference().name() == channel;
+  });
+}
+
 // Beside the old zero: the rotations that this zeroing counts from, and the force that acts.
 void add_slow_of_zero(std::vector<ChannelValue>& values, const RunScope& scope,
                       const Sampling& new_zero) {
@@ -104,6 +118,9 @@ void add_slow_of_zero(std::vector<ChannelValue>& values, const RunScope& scope,
   for (const auto& angle : description.angle_channels())
     if (const double* arcsec = find_value(new_zero.raw, angle.name()))
       values.push_back({angle.name(), *arcsec});
+  for (const auto& one : confirmations_of(scope))
+    if (const double* value = find_value(new_zero.raw, one.confirmed().name()))
+      values.push_back({one.confirmed().name(), *value});
   const auto force = description.force_channel();
   if (const auto known_n = scope.bench.loading.known_n(); force && known_n)
     values.push_back({force->name(), *known_n});
@@ -190,7 +207,8 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   add_zero_of_scale(datum.values, bench.description, new_zero);
   if (old_zero)
     for (const auto& mean : old_zero->means)
-      if (!is_angle_of(bench.description, mean.channel)) datum.values.push_back(mean);
+      if (!is_angle_of(bench.description, mean.channel) && !is_of_confirmation(scope, mean.channel))
+        datum.values.push_back(mean);
   add_slow_of_zero(datum.values, scope, new_zero);
   DRIFTWISE_CO_TRY(auto slow, co_await join_when_scanned(scope, datum.opened.utc));
   datum.values.insert(datum.values.end(), slow.begin(), slow.end());

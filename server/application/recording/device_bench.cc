@@ -7,6 +7,7 @@
 
 #include "server/application/plumbing/task_group.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/ports/control/axis_follower.h"
 #include "server/core/ports/control/tunable_loop.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -56,13 +57,32 @@ void DeviceBench::use(const SetupDescription* setup) {
 bool DeviceBench::is_left_out(const DeviceDescription& device) const {
   return setup_ && measures_pose(device.role()) &&
          std::ranges::find(setup_->coordinates, device.id, &SetupCoordinate::device) ==
-             setup_->coordinates.end();
+             setup_->coordinates.end() &&
+         std::ranges::find(setup_->confirmations, device.id, &SetupConfirmation::device) ==
+             setup_->confirmations.end();
+}
+
+Reading DeviceBench::under_confirming_names(Reading reading) const {
+  if (!setup_) return reading;
+  for (const auto& one : setup_->confirmations)
+    for (auto& value : reading.values)
+      if (one.device == reading.device && value.channel == one.channel.name())
+        value.channel = one.confirmed().name();
+  return reading;
 }
 
 bool DeviceBench::may_be_lost(std::size_t device) const {
-  return setup_ && std::ranges::all_of(setup_->coordinates, [&](const auto& coordinate) {
-           return coordinate.device != description(device).id || coordinate.may_be_missing();
-         });
+  if (!setup_) return false;
+  const auto& id = description(device).id;
+  const auto is_confirmed_here = [&](const SetupCoordinate& coordinate) {
+    return std::ranges::any_of(setup_->confirmations, [&](const SetupConfirmation& one) {
+      return one.device == id && one.channel == coordinate.channel;
+    });
+  };
+  return std::ranges::all_of(setup_->coordinates, [&](const SetupCoordinate& coordinate) {
+    return coordinate.may_be_missing() ||
+           (coordinate.device != id && !is_confirmed_here(coordinate));
+  });
 }
 
 DeviceBench::~DeviceBench() = default;
@@ -118,7 +138,7 @@ Awaitable<Result<JudgedReading>> DeviceBench::read(std::size_t device) {
 Awaitable<Result<JudgedReading>> DeviceBench::read_instrument(Slot& slot, Instrument& instrument) {
   DRIFTWISE_CO_TRY(auto reading,
                    co_await ask(slot, instrument, [](Instrument& d) { return d.read(); }));
-  co_return doubts_.judge(std::move(reading));
+  co_return doubts_.judge(under_confirming_names(std::move(reading)));
 }
 
 Awaitable<Result<JudgedReading>> DeviceBench::read_stabiliser(Slot& slot, Stabiliser& stabiliser) {
@@ -283,6 +303,7 @@ Awaitable<Result<MotionState>> DeviceBench::motion_state(Slot& slot) {
   }
   DRIFTWISE_CO_RETURN_IF_ERROR(doubts_.judge(slot.description(), *state));
   slot.last_q_mm = state->q_mm;
+  tell_followers(slot.description(), state->q_mm);
   if (watch && doubts_.doubts_readback()) {
     watch->released();
   } else if (watch && watch->orders() == orders) {
@@ -290,6 +311,17 @@ Awaitable<Result<MotionState>> DeviceBench::motion_state(Slot& slot) {
     co_await std::move(looking);
   }
   co_return state;
+}
+
+void DeviceBench::tell_followers(const DeviceDescription& controller,
+                                 const std::vector<double>& q_mm) {
+  const auto& axes = controller.axes();
+  for (const auto& slot : slots_) {
+    auto* follower = dynamic_cast<AxisFollower*>(&slot->made.device());
+    if (follower == nullptr) continue;
+    for (std::size_t i = 0; i < std::min(axes.size(), q_mm.size()); ++i)
+      if (axes[i].channel == follower->followed_axis()) follower->axis_at(q_mm[i]);
+  }
 }
 
 // Commanded places of all axes of the cell; of an axis without one, as read back last.

@@ -130,6 +130,9 @@ class DeviceBench {
   void note(Slot& slot, const R& result);
 
   bool is_left_out(const DeviceDescription& device) const;
+  // What a second instrument confirms has a name of its own in everything that comes after it.
+  Reading under_confirming_names(Reading reading) const;
+  void tell_followers(const DeviceDescription& controller, const std::vector<double>& q_mm);
   std::vector<Slot*> controllers();
   Awaitable<Result<MotionState>> motion_state(Slot& slot);
   Awaitable<void> state_into(Slot& slot, std::optional<Result<MotionState>>& place);

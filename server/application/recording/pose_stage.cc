@@ -70,6 +70,27 @@ std::vector<ChannelValue> PoseStage::rectified(std::vector<ChannelValue> values)
 void PoseStage::set_zero(const std::vector<ChannelValue>& as_read) {
   const auto values = rectified(as_read);
   for (auto& one : robots_) one.zero = tilt_of(one.robot, values);
+  confirmed_zero_.clear();
+  if (!setup_) return;
+  for (const auto& one : setup_->confirmations)
+    if (const double* value = value_of(as_read, one.confirmed().name()))
+      confirmed_zero_.push_back({one.confirmed().name(), *value});
+}
+
+void PoseStage::add_confirmations(const std::vector<ChannelValue>& raw,
+                                  std::vector<ChannelValue>& out) const {
+  if (!setup_) return;
+  for (const auto& one : setup_->confirmations) {
+    const std::string name = one.confirmed().name();
+    const double* read = value_of(raw, name);
+    if (!read) continue;
+    const double* zero = value_of(confirmed_zero_, name);
+    const double confirmed = one.scale * (*read - (zero ? *zero : 0)) + (zero ? 0 : one.offset);
+    std::erase_if(out, [&name](const ChannelValue& value) { return value.channel == name; });
+    out.push_back({name, confirmed});
+    if (const double* measured = value_of(out, one.channel.name()))
+      out.push_back({one.difference().name(), confirmed - *measured});
+  }
 }
 
 std::vector<ChannelValue> PoseStage::pose(const std::vector<ChannelValue>& as_read) const {
@@ -110,6 +131,7 @@ std::vector<ChannelValue> PoseStage::pose(const std::vector<ChannelValue>& as_re
              std::ranges::find(angles_, value.channel, &Channel::name) == angles_.end())
       out.push_back(value);
   }
+  add_confirmations(raw, out);
   return out;
 }
 

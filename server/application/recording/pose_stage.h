@@ -29,6 +29,9 @@ class PoseStage {
   // not among them count from 0.
   void set_zero(const std::vector<ChannelValue>& values);
 
+  // The second reading of a rotation that a set-up has confirmed counts from the zero as well
+  // (rz_confirmed_arcsec); beside it stands its difference to the first (rz_difference_arcsec).
+  //
   // raw: values under the devices' channels, means of several or of one round. In the result x_mm
   // .. are pose, x_path_mm .. the raw paths, rotations count from the zero, everything else is as
   // it was. A length that a raw value is missing for is left out.
@@ -41,6 +44,8 @@ class PoseStage {
  private:
   std::string raw_name(const std::string& channel) const;
   std::vector<ChannelValue> rectified(std::vector<ChannelValue> values) const;
+  void add_confirmations(const std::vector<ChannelValue>& raw,
+                         std::vector<ChannelValue>& out) const;
 
   // Its rotations correct its own lengths only.
   struct RobotStage {
@@ -55,6 +60,7 @@ class PoseStage {
   std::vector<RobotStage> robots_;
   bool corrects_ = false;
   const SetupDescription* setup_ = nullptr;
+  std::vector<ChannelValue> confirmed_zero_;  // as the second instruments read them at the zero
 };
 
 }  // namespace driftwise::application

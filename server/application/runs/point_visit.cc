@@ -81,6 +81,28 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit, const RowComman
 // Declared standard uncertainties that the readings of a rotation may spread by.
 constexpr double kOwnSpread = 3;
 
+// A coordinate whose second instrument says something else, or nothing; empty: all are confirmed.
+std::string unconfirmed(const ActiveRun& run, const Sampling& sampling) {
+  const auto* setup = run.scope.bench.devices.setup();
+  if (!setup) return {};
+  for (const auto& one : setup->confirmations) {
+    const double* measured = find_value(sampling.means, one.channel.name());
+    if (!measured) continue;  // out of its range: there is nothing to confirm
+    const auto by = std::ranges::find(setup->coordinates, one.channel, &SetupCoordinate::channel);
+    const auto* confirmed = find_value(sampling.means, one.confirmed().name());
+    if (!confirmed)
+      return fmt::format("{} is {:.3f} by '{}' and not confirmed: '{}' gives no value",
+                         one.channel.name(), *measured, by->device, one.device);
+    const double difference = *confirmed - *measured;
+    if (std::abs(difference) > one.limit)
+      return fmt::format(
+          "{} is {:.3f} by '{}' and {:.3f} by '{}': difference {:+.3f} {}, limit {:g}",
+          one.channel.name(), *measured, by->device, *confirmed, one.device, difference,
+          one.channel.unit, one.limit);
+  }
+  return {};
+}
+
 // Reads and judges; the axis stands where it should.
 Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit, const RowCommand& command,
                                       const Arrival& arrival, AttemptRecord& record) {
@@ -101,6 +123,10 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit, const 
     if (!(rotation.arcsec > limit_arcsec)) continue;
     record.reason = spread_sentence_arcsec(rotation.channel, rotation.arcsec,
                                            rules.readings_per_point, limit_arcsec);
+    co_return Attempt{Trouble::spread, {}};
+  }
+  if (auto doubt = unconfirmed(run, sampling); !doubt.empty()) {
+    record.reason = std::move(doubt);
     co_return Attempt{Trouble::spread, {}};
   }
   // A scale that jumps or wanders while the instruments are read gives no position.

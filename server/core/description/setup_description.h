@@ -22,10 +22,25 @@ struct SetupCoordinate {
   bool may_be_missing() const { return min.has_value() || max.has_value(); }
 };
 
+// A second instrument that reads a coordinate of the set-up. The set-up's own instrument measures;
+// a point whose two readings differ by more than the limit fails its gate.
+struct SetupConfirmation {
+  Channel channel;     // rz_arcsec: one of the set-up's coordinates
+  std::string device;  // id of the second instrument
+  // Rectification, as of a coordinate.
+  double scale = 1, offset = 0;
+  double limit = 0;  // of the difference since the datum's zero, in the channel's unit; above 0
+  // rz_confirmed_arcsec: what the second instrument reads, in readings and points of the set-up.
+  Channel confirmed() const { return {channel.symbol + "_confirmed", channel.unit}; }
+  // rz_difference_arcsec: the second reading minus the first, in points.
+  Channel difference() const { return {channel.symbol + "_difference", channel.unit}; }
+};
+
 struct SetupDescription {
   std::string name;  // "tilts"
   std::string description;
-  std::vector<SetupCoordinate> coordinates;  // at least one
+  std::vector<SetupCoordinate> coordinates;           // at least one
+  std::vector<SetupConfirmation> confirmations = {};  // each coordinate at most once
 };
 
 }  // namespace driftwise

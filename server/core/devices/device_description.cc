@@ -54,7 +54,7 @@ const std::vector<AxisDescription>& DeviceDescription::axes() const {
 }
 
 const std::vector<AngleDescription>& DeviceDescription::angles() const {
-  return list_in(settings, &AngleSettings::angles);
+  return length() ? length()->angles : list_in(settings, &AngleSettings::angles);
 }
 
 const std::vector<ProbeDescription>& DeviceDescription::probes() const {

@@ -9,6 +9,7 @@
 
 #include "server/core/channel.h"
 #include "server/core/devices/device_role.h"
+#include "server/core/devices/voltage_sensors.h"
 
 namespace driftwise {
 
@@ -55,6 +56,8 @@ struct LengthSettings {
   double u_drift_nm_per_h = 0;  // ... of its steady drift since the zero
   double u_drift_nm_per_k = 0;  // ... of its drift with the temperature of drift_channel since then
   Channel drift_channel{};      // t04_degC; no symbol: none
+  // Rotations that the same instrument gives: a plate under three sensors.
+  std::vector<AngleDescription> angles = {};
 };
 struct AngleSettings {
   std::vector<AngleDescription> angles;
@@ -91,6 +94,7 @@ struct DeviceDescription {
   double max_age_s = 15.0;   // older values do not join a point and make a target stale
 
   RoleSettings settings = StabiliserSettings{};
+  VoltageSensors voltages = {};   // of a device that measures by voltages
   std::vector<Channel> channels;  // those that the settings name or that the kind always gives
   // What the protocol leaves open (unit, word order, terminator, averaging, ...), by the driver's
   // own names. The driver checks names and values and answers invalid_argument naming them.

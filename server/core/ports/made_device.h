@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "server/core/ports/clock.h"
+#include "server/core/ports/control/shared_by_address.h"
 #include "server/core/ports/instrument.h"
 #include "server/core/ports/load_actuator.h"
 #include "server/core/ports/motion_controller.h"
@@ -24,6 +25,8 @@ struct DeviceContext {
   Clock& clock;  // outlives the device
   // The machines that this process drives; none: a check, or nobody else can drive them.
   std::shared_ptr<locks::Claims> claims = {};
+  // Of the devices that are made together; none: each has a connection of its own.
+  std::shared_ptr<SharedByAddress> shared = {};
 };
 
 // A device behind the port of its role: motion, stabiliser and load have their own, everything that

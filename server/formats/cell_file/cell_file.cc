@@ -142,6 +142,24 @@ void check_speed(TomlReader& clock, const CellDescription& cell) {
           ErrorCode::failed_precondition);
 }
 
+// A force by a voltage belongs to an axis of the cell, and is not the one that hangs there.
+void check_force_of_sensor(TomlReader& top, const DeviceDescription& device,
+                           const CellDescription& cell) {
+  if (const auto& motor = device.voltages.motor;
+      motor && !motor->axis.symbol.empty() && cell.find_axis(motor->axis.name()) == nullptr)
+    top.refuse("device", reasons::kBadChannel,
+               "device " + shown(device.id) + ", axis: found " + shown(motor->axis.name()) +
+                   ", which no controller of this cell moves; expected the axis of the motor");
+  const auto hanging = cell.force_channel();
+  for (const auto& quantity : device.quantities())
+    if (hanging && quantity.channel == *hanging)
+      top.refuse("device", reasons::kDuplicateChannel,
+                 "device " + shown(device.id) + ", channel: found " +
+                     shown(quantity.channel.name()) +
+                     ", which is the force that [load] knows; expected another name, such as " +
+                     "measured_force_N, or no [load]");
+}
+
 void read_file(const toml::table& root, CellDescription& out, TomlProblem& problem) {
   const toml::table none;
   TomlReader top(root, "", problem);
@@ -214,6 +232,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
     top.refuse("load", reasons::kMissingKey,
                "found no [load] section beside the load actuator " + shown(actuator->id) +
                    ", expected one with max_n, the largest force it may ever apply");
+  for (const auto& device : out.devices) check_force_of_sensor(top, device, out);
   for (const auto& device : out.devices) {
     const auto* length = device.length();
     if (length == nullptr || length->drift_channel.symbol.empty()) continue;

@@ -61,6 +61,29 @@ std::vector<std::string> symbols_of(const CellDescription& cell, const DeviceDes
   return symbols;
 }
 
+void add_voltages(const DeviceDescription& device, const std::vector<std::string>& affects,
+                  Parts& parts) {
+  for (const auto& sensor : device.voltages.sensors)
+    parts["sensor " + device.id + " " + text_of(sensor.input)] = {
+        {{"device", device.id},
+         {"channel", sensor.channel.symbol.empty() ? "" : sensor.channel.name()},
+         {"curve", sensor.curve == SensorCurve::arcsine ? "arcsine" : "linear"},
+         {"slope", text_of(sensor.slope)},
+         {"zero_v", text_of(sensor.zero_v)},
+         {"min_v", text_of(sensor.min_v)},
+         {"max_v", text_of(sensor.max_v)},
+         {"u", text_of(sensor.u)},
+         {"x_mm", text_of(sensor.x_mm)},
+         {"y_mm", text_of(sensor.y_mm)}},
+        affects};
+  if (const auto& motor = device.voltages.motor)
+    parts["motor force " + device.id] = {{{"axis", motor->axis.name()},
+                                          {"friction_n", text_of(motor->friction_n)},
+                                          {"u_friction_n", text_of(motor->u_friction_n)},
+                                          {"travel_mm", text_of(motor->travel_mm)}},
+                                         affects};
+}
+
 void add_device(const CellDescription& cell, const DeviceDescription& device, Parts& parts) {
   auto& part = parts["device " + device.id];
   part.affects = symbols_of(cell, device);
@@ -81,6 +104,7 @@ void add_device(const CellDescription& cell, const DeviceDescription& device, Pa
       part.values["drift_channel"] = length->drift_channel.name();
   }
   if (const auto* force = device.force()) part.values["channel"] = force->name();
+  add_voltages(device, part.affects, parts);
   for (const auto& [name, value] : device.options) part.values["options." + name] = value;
   for (const auto& axis : device.axes())
     parts["axis " + axis.channel.name()] = {{{"device", device.id},
@@ -261,6 +285,10 @@ void add_setups(const CellDescription& cell, Parts& parts) {
           text_of(coordinate.offset) + (coordinate.min ? ", min " + text_of(*coordinate.min) : "") +
           (coordinate.max ? ", max " + text_of(*coordinate.max) : "");
     }
+    for (const auto& one : setup.confirmations)
+      part.values["confirmation " + one.channel.name()] =
+          one.device + ", scale " + text_of(one.scale) + ", offset " + text_of(one.offset) +
+          ", limit " + text_of(one.limit);
   }
 }
 

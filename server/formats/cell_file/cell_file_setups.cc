@@ -44,6 +44,42 @@ void check_device(TomlReader& reader, const SetupCoordinate& coordinate,
                       shown(device->id) + ": " + list_of_coordinates(given));
 }
 
+// The same for an instrument that confirms.
+void read_confirmation(TomlReader&& reader, const CellDescription& cell, SetupDescription& setup) {
+  SetupConfirmation one;
+  reader.robot_channel("channel", one.channel, Need::required);
+  reader.text("device", one.device, Need::required);
+  reader.number("scale", one.scale, {.min = -1e6, .max = 1e6});
+  reader.number("offset", one.offset, {.min = -1e6, .max = 1e6});
+  reader.number("limit", one.limit, {.min = 0, .max = 1e9, .above_min = true}, Need::required);
+  if (one.scale == 0)
+    reader.refuse("scale", reasons::kBadSetup, "found 0, expected another number");
+  const auto measured =
+      std::ranges::find(setup.coordinates, one.channel, &SetupCoordinate::channel);
+  if (!one.channel.symbol.empty() && measured == setup.coordinates.end())
+    reader.refuse("channel", reasons::kBadSetup,
+                  "found " + shown(one.channel.name()) +
+                      ", expected a coordinate that this set-up measures with another instrument");
+  else if (!one.channel.symbol.empty() && !is_angle(one.channel.unit))
+    reader.refuse("channel", reasons::kBadSetup,
+                  "found " + shown(one.channel.name()) +
+                      ", expected a rotation: a length is confirmed by a run in another set-up");
+  else if (!one.device.empty() && !one.channel.symbol.empty()) {
+    check_device(reader, {one.channel, one.device, 1, 0, {}, {}}, cell);
+    if (measured->device == one.device)
+      reader.refuse("device", reasons::kBadSetup,
+                    "found " + shown(one.device) +
+                        ", which measures this coordinate, expected a second instrument");
+  }
+  if (std::ranges::find(setup.confirmations, one.channel, &SetupConfirmation::channel) !=
+      setup.confirmations.end())
+    reader.refuse("channel", reasons::kDuplicateChannel,
+                  "found " + shown(one.channel.name()) +
+                      ", which another confirmation of this set-up has already");
+  reader.finish();
+  setup.confirmations.push_back(std::move(one));
+}
+
 void read_coordinate(TomlReader&& reader, const CellDescription& cell, SetupDescription& setup) {
   SetupCoordinate coordinate;
   reader.robot_channel("channel", coordinate.channel, Need::required);
@@ -72,6 +108,34 @@ void read_coordinate(TomlReader&& reader, const CellDescription& cell, SetupDesc
   setup.coordinates.push_back(std::move(coordinate));
 }
 
+bool is_confirmed_by(const SetupDescription& setup, const Channel& channel,
+                     const std::string& device) {
+  return std::ranges::any_of(setup.confirmations, [&](const SetupConfirmation& one) {
+    return one.channel == channel && one.device == device;
+  });
+}
+
+// What a confirming instrument gives besides is neither measured by it nor left unsaid.
+void check_confirming(TomlReader& reader, const SetupDescription& setup,
+                      const CellDescription& cell) {
+  for (const auto& one : setup.confirmations) {
+    const auto* device = cell.find_device(one.device);
+    if (device == nullptr) continue;
+    for (const auto& channel : coordinates_of(*device)) {
+      const auto measured =
+          std::ranges::find(setup.coordinates, channel, &SetupCoordinate::channel);
+      if (measured == setup.coordinates.end() || measured->device == one.device ||
+          is_confirmed_by(setup, channel, one.device))
+        continue;
+      return reader.refuse("confirmation", reasons::kBadSetup,
+                           "found " + shown(one.device) + " for " + shown(one.channel.name()) +
+                               ", which gives " + shown(channel.name()) + " as " +
+                               shown(measured->device) +
+                               " does, expected a [[setup.confirmation]] of it too");
+    }
+  }
+}
+
 // An instrument that the set-up names for one coordinate gives its others as well.
 void check_given_once(TomlReader& reader, const SetupDescription& setup,
                       const CellDescription& cell) {
@@ -81,11 +145,13 @@ void check_given_once(TomlReader& reader, const SetupDescription& setup,
       if (device == nullptr || other.device == coordinate.device) continue;
       const auto given = coordinates_of(*device);
       if (std::ranges::find(given, coordinate.channel) == given.end()) continue;
-      return reader.refuse("coordinate", reasons::kBadSetup,
-                           "found " + shown(coordinate.channel.name()) + " of " +
-                               shown(coordinate.device) + ", and " + shown(other.device) +
-                               " gives it as well, expected instruments of which one gives it: " +
-                               "measure the two in set-ups of their own");
+      if (is_confirmed_by(setup, coordinate.channel, other.device)) continue;
+      return reader.refuse(
+          "coordinate", reasons::kBadSetup,
+          "found " + shown(coordinate.channel.name()) + " of " + shown(coordinate.device) +
+              ", and " + shown(other.device) +
+              " gives it as well, expected instruments of which one gives it, or a " +
+              "[[setup.confirmation]] of it by the second one");
     }
 }
 
@@ -101,10 +167,17 @@ void read_setup(TomlReader&& reader, const std::string& place, CellDescription& 
         TomlReader(*table, place + ", coordinate " + std::to_string(setup.coordinates.size() + 1),
                    problem),
         out, setup);
+  for (const auto* table : reader.tables("confirmation"))
+    read_confirmation(
+        TomlReader(*table,
+                   place + ", confirmation " + std::to_string(setup.confirmations.size() + 1),
+                   problem),
+        out, setup);
   if (setup.coordinates.empty())
     reader.refuse("coordinate", reasons::kBadSetup,
                   "found no [[setup.coordinate]], expected one at least: what it measures");
   check_given_once(reader, setup, out);
+  check_confirming(reader, setup, out);
   if (std::ranges::find(out.setups, setup.name, &SetupDescription::name) != out.setups.end())
     reader.refuse("name", reasons::kDuplicateId,
                   "found " + shown(setup.name) + ", which another [[setup]] has already");

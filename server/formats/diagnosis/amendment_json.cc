@@ -40,6 +40,39 @@ correction::LengthShift read_shift(const JsonPlace& from) {
   return shift;
 }
 
+Json angle_json(const correction::AngleShift& shift) {
+  Json one{{"axis", shift.axis},
+           {"source", shift.source},
+           {"terms", Json::array()},
+           {"runs", Json::array()},
+           {"clock_origin_ns", shift.clock_origin.utc_ns}};
+  for (const RunId run : shift.runs) one["runs"].push_back(run.value);
+  for (std::size_t j = 0; j < shift.terms.size(); ++j)
+    one["terms"].push_back({{"term", effects::notation(shift.terms[j])},
+                            {"arcsec", json_number(shift.arcsec[j])},
+                            {"u_arcsec", json_number(shift.u_arcsec[j])}});
+  return one;
+}
+
+correction::AngleShift read_angle(const JsonPlace& from) {
+  correction::AngleShift shift;
+  shift.axis = from["axis"].text();
+  shift.source = from["source"].text();
+  const auto terms = from["terms"];
+  for (std::size_t j = 0; j < terms.size(); ++j) {
+    auto term = parse_term(terms[j]["term"].text());
+    if (!term) terms[j]["term"].refuse("a term of a formula");
+    shift.terms.push_back(std::move(*term));
+    shift.arcsec.push_back(terms[j]["arcsec"].finite());
+    shift.u_arcsec.push_back(terms[j]["u_arcsec"].finite());
+    if (shift.u_arcsec.back() < 0) terms[j]["u_arcsec"].refuse("a number from 0");
+  }
+  const auto runs = from["runs"];
+  for (std::size_t i = 0; i < runs.size(); ++i) shift.runs.push_back({runs[i].integer(1)});
+  shift.clock_origin.utc_ns = from["clock_origin_ns"].integer();
+  return shift;
+}
+
 correction::DataAmendment read_amendment(const JsonPlace& from) {
   if (from["schema"].text() != kAmendmentSchema) from["schema"].refuse(kAmendmentSchema);
   correction::DataAmendment amendment;
@@ -51,6 +84,11 @@ correction::DataAmendment read_amendment(const JsonPlace& from) {
   const auto sensors = from["sensors_left_out"];
   for (std::size_t i = 0; i < sensors.size(); ++i)
     amendment.sensors.push_back({{sensors[i]["run"].integer(1)}, sensors[i]["sensor"].text()});
+  if (from.has("angles")) {  // a correction without them was written before there were any
+    const auto angles = from["angles"];
+    for (std::size_t i = 0; i < angles.size(); ++i)
+      amendment.angles.push_back(read_angle(angles[i]));
+  }
   return amendment;
 }
 
@@ -66,6 +104,8 @@ std::string write_amendment_json(const correction::DataAmendment& amendment) {
     json["datum_splits"].push_back({{"run", split.run.value}, {"row", split.row}});
   for (const auto& sensor : amendment.sensors)
     json["sensors_left_out"].push_back({{"run", sensor.run.value}, {"sensor", sensor.symbol}});
+  // Left out where there are none: the text of every other correction stays as it was.
+  for (const auto& shift : amendment.angles) json["angles"].push_back(angle_json(shift));
   return json.dump();
 }
 

@@ -150,6 +150,11 @@ correction::DataAmendment RobotNames::with_id(correction::DataAmendment amendmen
     for (auto& term : shift.terms)
       rename(term, [this](std::string_view symbol) { return with_id(symbol); });
   }
+  for (auto& shift : amendment.angles) {
+    shift.axis = with_id(shift.axis);
+    for (auto& term : shift.terms)
+      rename(term, [this](std::string_view symbol) { return with_id(symbol); });
+  }
   return amendment;
 }
 

@@ -165,6 +165,21 @@ TEST(DiscrepancyRows, HoldWhatAPlotNeeds) {
   EXPECT_EQ(discrepancy_rows(data, lag_and_outliers(), 2).time_s, (std::vector<double>{0, 20}));
 }
 
+TEST(AmendmentJson, KeepsTheDriftOfAnAngleWithItsUncertaintyAndItsSource) {
+  correction::DataAmendment amendment;
+  amendment.angles = {{"ry", {*parse_term("t05")}, {0.8}, {0.05}, "41 returns to zero", {}, {}}};
+  const std::string json = write_amendment_json(amendment);
+  const auto back = read_amendment_json(json);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(*back, amendment);
+  const auto at = json.find("0.05");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(read_amendment_json(std::string(json).replace(at, 4, "-0.5")).error().reason,
+            "BAD_CORRECTION");
+  EXPECT_EQ(write_amendment_json({}).find("angles"), std::string::npos)
+      << "other corrections keep their text";
+}
+
 TEST(AmendmentJson, ComesBackAsItWas) {
   correction::DataAmendment amendment;
   amendment.shifts = {{"x",

@@ -138,6 +138,7 @@ void add_data_commands(CLI::App& app, Session& session) {
                 "the same id again answers with the run of the first time");
   add_join_command(data, session);
   add_instruments_command(data, session);
+  add_angle_drift_command(data, session);
   add_exclusion_commands(data, session);
 }
 

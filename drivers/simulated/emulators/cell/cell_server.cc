@@ -31,6 +31,18 @@ CellServer::CellServer(boost::asio::io_context& io, Plant& plant, SimClock& cloc
     const Switches& switches = options.of(device.id);
     const EmulatorKind& kind =
         *find_emulator_kind(device.kind);  // EmulatorOptions has refused others
+    if (kind.is_shared_by_address) {
+      const auto first = std::ranges::find_if(outline.devices, [&device](const auto& other) {
+        return other.kind == device.kind && other.address == device.address;
+      });
+      if (first->id != device.id) {
+        const auto served = std::ranges::find_if(
+            addresses_, [&first](const auto& one) { return one.first == first->id; });
+        const std::string address = served->second;
+        addresses_.emplace_back(device.id, address);
+        continue;
+      }
+    }
     const bool serial =
         !kind.serial_switch.empty() && switches.flag(std::string(kind.serial_switch));
     serve(device.id, kind.make(plant_, switches, places_, now),

@@ -11,7 +11,8 @@ constexpr std::string_view kHelp =
     "fault drop|mute|garble|slow|disturb|clock <device> [<n> s] | fault break-beam [<device>] | "
     "fault "
     "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
-    "open-probe|mend-probe <input> | fault lie <device> jump|scale|value <x> | fault lie <device> "
+    "open-probe|mend-probe <input> | fault volt <input> <volts>|mend | fault lie <device> "
+    "jump|scale|value <x> | fault lie <device> "
     "constant | fault clear [<device>] | fault knock <a> nm | load <newton> | open <n> s | "
     "spacers <h> mm | substrate <rx> <ry> arcsec | microscope? <indent> | truth? | time? | "
     "help";
@@ -122,6 +123,18 @@ std::string FaultDesk::lie(const std::vector<std::string_view>& words) {
                                                             : wrong("no device '" + device + "'");
 }
 
+std::string FaultDesk::volt(const std::vector<std::string_view>& words, TimeNs now) {
+  const auto input = words.size() == 4 ? parse_integer(words[2]) : std::nullopt;
+  const bool mends = words.size() == 4 && words[3] == "mend";
+  const auto volts = input && !mends ? parse_number(words[3]) : std::nullopt;
+  if (!input || (!mends && !volts))
+    return wrong("expected fault volt <input> <volts>, such as fault volt 201 9.5, or mend");
+  if (!hooks_.input_volt) return kUnable;
+  return hooks_.input_volt(static_cast<int>(*input), volts, now)
+             ? "OK"
+             : wrong("no sensor with a voltage on this input");
+}
+
 std::optional<std::string> FaultDesk::world_fault(const std::vector<std::string_view>& words,
                                                   TimeNs now) {
   using Spot = FaultHooks::Spot;
@@ -153,6 +166,7 @@ std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs 
   if (auto done = world_fault(words, now)) return *done;
   if (verb == "lie") return lie(words);
   if (verb == "knock") return knock(words, now);
+  if (verb == "volt") return volt(words, now);
   if (verb == "clear" && hooks_.lie) hooks_.lie("", "", 0);
   if (verb == "open-probe" || verb == "mend-probe") {
     const auto input = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;

@@ -16,6 +16,7 @@
 //   lie <device> constant
 //                                       its (first) channel says so, in mm, nm, ohm, arcsec, degC
 //                                       or N
+//   fault volt <input> <volts>          an input for a voltage shows so much; mend: its sensor's
 //   fault clear [<device>]              mute, garble, slow and the lie end
 //   fault knock <a> nm                  somebody knocks at the table: the robot above swings by a
 //   spacers <h> mm                      a person puts parts of this height between two robots; 0:
@@ -32,6 +33,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "drivers/simulated/emulators/cell/device_bench.h"
@@ -48,6 +50,8 @@ struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   std::function<void(bool jammed, TimeNs now)> set_jammed;
   std::function<bool(double newton, TimeNs now)> hang;               // false: out of range
   std::function<bool(int input, bool open, TimeNs now)> open_probe;  // false: no such probe
+  // An input shows this voltage; nullopt: its sensor's again. false: no such sensor.
+  std::function<bool(int input, std::optional<double> volts, TimeNs now)> input_volt;
   std::function<void(TimeNs from, TimeNs until, double amplitude_nm)> disturb;
   // form: jump, scale, value or constant; empty: the truth again, of all. false: no such device.
   std::function<bool(const std::string& device, const std::string& form, double amount)> lie;
@@ -78,6 +82,7 @@ class FaultDesk : public Emulator {
   // Faults of what is measured; nullopt: another kind of fault.
   std::optional<std::string> world_fault(const std::vector<std::string_view>& words, TimeNs now);
   std::string lie(const std::vector<std::string_view>& words);
+  std::string volt(const std::vector<std::string_view>& words, TimeNs now);
   std::string knock(const std::vector<std::string_view>& words, TimeNs now);
   std::string spacers(const std::vector<std::string_view>& words, TimeNs now);
   std::string substrate(const std::vector<std::string_view>& words, TimeNs now);

@@ -52,6 +52,8 @@ class LyingPlant final : public Plant {
 
   double probe_ohm(int input, TimeNs now) override;
   bool has_probe(int input) const override { return plant_.has_probe(input); }
+  double input_volt(int input, TimeNs now) override { return plant_.input_volt(input, now); }
+  bool has_voltage(int input) const override { return plant_.has_voltage(input); }
 
   int collimator_count() const override { return plant_.collimator_count(); }
   AngleReading measure_angle(int index, double average_s, TimeNs end) override;

@@ -232,7 +232,8 @@ const EmulatorKind keithley_2701{.kind = "keithley-2701",
                                  .make = [](Plant& plant, const Switches& switches, PlantPlaces&,
                                             TimeNs now) -> std::unique_ptr<Emulator> {
                                    return std::make_unique<KeithleyEmulator>(plant, switches, now);
-                                 }};
+                                 },
+                                 .is_shared_by_address = true};
 
 }  // namespace emulator_kind
 

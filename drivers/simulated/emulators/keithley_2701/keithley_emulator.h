@@ -122,6 +122,7 @@ class KeithleyEmulator : public Emulator {
   void sampled(TimeNs now);
   void finished(TimeNs now);
   double measure(const ChannelSettings& settings, int channel, TimeNs now);
+  double measured_volt(const ChannelSettings& settings, int channel, TimeNs now);
   std::string text_of(const Sample& sample) const;
   std::string text_of(const std::vector<Sample>& samples, std::size_t from,
                       std::size_t count) const;

@@ -93,8 +93,23 @@ void KeithleyEmulator::finished(TimeNs now) {
   if (pending == Pending::complete) resume(scpi_text("1"), now);
 }
 
+double KeithleyEmulator::measured_volt(const ChannelSettings& settings, int channel, TimeNs now) {
+  constexpr double kOverRange = 1.01;  // of every range but the highest, which ends at 1010 V
+  double volt = 0;
+  const int repeats = settings.now().filter_on ? settings.now().filter_count : 1;
+  for (int i = 0; i < repeats; ++i) volt += plant_.input_volt(channel, now) / repeats;
+  double range = 0.1;
+  const double wanted = settings.now().range > 0 ? settings.now().range : std::abs(volt);
+  while (range < 1000 && wanted > range * kOverRange) range *= 10;
+  if (!std::isfinite(volt) || std::abs(volt) > range * kOverRange) return kOverflow;
+  const double step = range * 1e-7;
+  return std::round(volt / step) * step;
+}
+
 double KeithleyEmulator::measure(const ChannelSettings& settings, int channel, TimeNs now) {
   const Function function = settings.function;
+  if (function == Function::volt_dc && channel != 0 && plant_.has_voltage(channel))
+    return measured_volt(settings, channel, now);
   const bool resistive = function == Function::fres || function == Function::res ||
                          function == Function::cont ||
                          (function == Function::temp && settings.frtd);

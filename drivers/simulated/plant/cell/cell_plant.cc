@@ -28,6 +28,7 @@ CellPlant::CellPlant(std::shared_ptr<const CellParameters> parameters, std::uint
       now_(epoch),
       world_(*cell_, seed),
       scanner_noise_(seed, "scanner"),
+      voltages_(cell_->voltages, seed),
       probe_faults_(cell_->hidden) {
   const Weather typed_in = world_.at(0).weather;
   for (int i = 0; i < static_cast<int>(cell_->axes.size()); ++i) {
@@ -71,6 +72,20 @@ void CellPlant::advance_to(TimeNs now) {
   }
   now_ = now;
   world_.advance_to(now_s(), motors);
+  if (voltages_.sees_motors()) follow_motors();
+}
+
+double CellPlant::scale_mm(int axis, double time_s) const {
+  return axes_[place(axis)].at(time_s, 0).scale_mm;
+}
+
+// In steps within which no motion of an axis turns round unseen.
+void CellPlant::follow_motors() {
+  constexpr double kStep_s = 0.02, kLookBack_s = 100;
+  followed_s_ = std::max(followed_s_, now_s() - kLookBack_s);
+  for (; followed_s_ < now_s(); followed_s_ = std::min(followed_s_ + kStep_s, now_s())) {
+    voltages_.follow([this](int axis) { return scale_mm(axis, followed_s_); });
+  }
 }
 
 double CellPlant::disturbed(DisturbancePlace where, const DisturbanceContext& context) const {
@@ -285,6 +300,24 @@ double CellPlant::probe_ohm(int input, TimeNs now) {
   ohm = probe_faults_.shown_ohm(input, now_s(), ohm, found->r0_ohm);
   const double grain_ohm = cell_->scanner_resolution_ohm;
   return std::round(ohm / grain_ohm) * grain_ohm;
+}
+
+double CellPlant::input_volt(int input, TimeNs now) {
+  advance_to(now);
+  if (open_probes_.contains(input)) return 0;  // nothing drives the wires
+  if (truth_places_.empty()) {
+    const auto columns = truth_columns();
+    for (std::size_t i = 0; i < columns.size(); ++i) truth_places_[columns[i]] = i;
+  }
+  const auto values = truth_values(now_);
+  return voltages_.volt(
+      input, [&](const std::string& column) { return values[truth_places_.at(column)]; },
+      [this](int axis) { return scale_mm(axis, now_s()); });
+}
+
+void CellPlant::set_input_volt(int input, std::optional<double> volt, TimeNs now) {
+  advance_to(now);
+  voltages_.force(input, volt);
 }
 
 bool CellPlant::has_probe(int input) const {

@@ -14,6 +14,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -23,6 +24,7 @@
 #include "drivers/simulated/plant/cell/interferometer.h"
 #include "drivers/simulated/plant/cell/servo_axis.h"
 #include "drivers/simulated/plant/cell/slow_world.h"
+#include "drivers/simulated/plant/cell/voltage_sources.h"
 #include "drivers/simulated/plant/hidden/hidden_faults.h"
 #include "drivers/simulated/plant/plant.h"
 #include "drivers/simulated/plant/truth_log.h"
@@ -52,6 +54,8 @@ class CellPlant : public Plant {
 
   double probe_ohm(int input, TimeNs now) override;
   bool has_probe(int input) const override;
+  double input_volt(int input, TimeNs now) override;
+  bool has_voltage(int input) const override { return voltages_.has(input); }
 
   int stabiliser_count() const override { return static_cast<int>(cell_->stabilisers.size()); }
   StabiliserState stabiliser(int index, TimeNs now) override;
@@ -66,6 +70,10 @@ class CellPlant : public Plant {
   bool open_box(double for_s, TimeNs now);
   void set_laser_stable(bool stable, TimeNs now);
   void set_probe_open(int input, bool open, TimeNs now);
+  // The input shows this, whatever its sensor sees; nullopt: the sensor again.
+  void set_input_volt(int input, std::optional<double> volt, TimeNs now);
+  // Of the voltages' columns; throws std::out_of_range. After construction.
+  void check_voltages() const { voltages_.check(truth_columns()); }
   void set_stabiliser_sensor_open(bool open, TimeNs now, int index = 0);
   void add_disturbance(DisturbancePlace place, Disturbance disturbance);
 
@@ -125,6 +133,8 @@ class CellPlant : public Plant {
   const ThermometerParameters* probe(int input, std::size_t& index) const;
   double air_probe_degc(int index, double sampled_s) const;
   void log(const char* kind, TimeNs at);
+  double scale_mm(int axis, double time_s) const;
+  void follow_motors();
 
   std::vector<Random> scale_noise_, length_noise_;
   Random scanner_noise_;
@@ -133,6 +143,9 @@ class CellPlant : public Plant {
   bool laser_stable_ = true;
   int instants_per_reading_ = 16;
   std::set<int> open_probes_;
+  VoltageSources voltages_;
+  std::map<std::string, std::size_t> truth_places_;  // filled at the first voltage
+  double followed_s_ = 0;                            // until then the friction has followed
   HiddenFaults probe_faults_;
   std::unique_ptr<TruthLog> log_;
   double next_tick_s_ = 0;

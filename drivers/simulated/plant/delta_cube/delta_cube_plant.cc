@@ -121,10 +121,14 @@ AngleReading DeltaCubePlant::measure_angle(int index, double average_s, TimeNs e
   const double first_rad = which == 0 ? std::atan2(-n.z, n.x) : std::atan2(-n.y, n.z);
   const double second_rad = which == 0 ? std::atan2(n.y, n.x) : std::atan2(n.x, n.z);
   const auto shown = [&](double true_rad, double cross_rad, double offset_arcsec, int channel) {
-    return collimator_arcsec(
-        c, device, {true_rad, cross_rad}, offset_arcsec,
-        collimator_drift_arcsec(c, seed_, 2 * static_cast<int>(which) + channel, middle_s),
-        average_s, angle_noise_[which]);
+    double drift_arcsec =
+        collimator_drift_arcsec(c, seed_, 2 * static_cast<int>(which) + channel, middle_s);
+    if (which == 0 && channel == 0 && c.mirror_arcsec_per_k != 0)
+      drift_arcsec += c.mirror_arcsec_per_k *
+                      (world_.at(middle_s).degc[static_cast<std::size_t>(c.mirror_part)] -
+                       parameters_.reference_degc);
+    return collimator_arcsec(c, device, {true_rad, cross_rad}, offset_arcsec, drift_arcsec,
+                             average_s, angle_noise_[which]);
   };
   AngleReading reading{.y_arcsec = shown(first_rad, second_rad, device.y_offset_arcsec, 0),
                        .z_arcsec = shown(second_rad, -first_rad, device.z_offset_arcsec, 1),

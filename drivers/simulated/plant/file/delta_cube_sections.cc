@@ -43,7 +43,7 @@ DeltaCubeParameters delta_cube_sections(Fields root) {
   Fields optics = root.table("optics");
   plant.optics = optics_section(optics);
   optics.finish();
-  plant.collimator = collimator_section(root.table("collimator"));
+  plant.collimator = collimator_section(root.table("collimator"), plant.parts);
 
   Fields axis = root.table("axis");
   plant.axes.assign(kArms, axis_section(axis));
@@ -61,6 +61,7 @@ DeltaCubeParameters delta_cube_sections(Fields root) {
   plant.box_air_part = part_named(box, "air_part", plant.parts);
   plant.box_open_flow_m3_h = box.within("open_flow_m3_h", 0, 10000);
   box.finish();
+  voltage_sections(root, plant);
   hidden_sections(root, materials, plant);
   root.finish();
   return plant;

@@ -71,7 +71,7 @@ OpticsParameters optics_section(Fields& f) {
   return optics;
 }
 
-CollimatorParameters collimator_section(Fields f) {
+CollimatorParameters collimator_section(Fields f, const std::vector<PartParameters>& parts) {
   CollimatorParameters c{.range_arcsec = f.positive("range_arcsec"),
                          .noise_arcsec = f.not_negative("noise_arcsec"),
                          .noise_s = f.positive("noise_s"),
@@ -80,6 +80,10 @@ CollimatorParameters collimator_section(Fields f) {
                          .alignment_arcsec = f.not_negative("alignment_arcsec"),
                          .roll_mrad = f.within("roll_mrad", 0, 100),
                          .scale_error = f.within("scale_error", 0, 0.5)};
+  if (f.has("mirror_arcsec_per_k")) {
+    c.mirror_arcsec_per_k = f.within("mirror_arcsec_per_k", -100, 100);
+    c.mirror_part = part_named(f, "mirror_part", parts);
+  }
   f.finish();
   return c;
 }

@@ -16,7 +16,7 @@ OpticsParameters optics_section(Fields& fields);
 // Whole sections.
 ToleranceParameters tolerance_section(Fields fields);
 CubeParameters cube_section(Fields fields);
-CollimatorParameters collimator_section(Fields fields);
+CollimatorParameters collimator_section(Fields fields, const std::vector<PartParameters>& parts);
 
 // [beam.x], [beam.y], [beam.z] with what [interferometer] says of all; signs: of what is shown, +
 // when the mirror goes away from the head.

@@ -99,6 +99,7 @@ LinearAxisParameters linear_axis_sections(Fields root) {
   plant.stabilisers.front().part = part_named(stabiliser, "part", plant.parts);
   plant.stabilisers.front().sink_part = part_named(stabiliser, "sink_part", plant.parts);
   stabiliser.finish();
+  voltage_sections(root, plant);
   hidden_sections(root, materials, plant);
   root.finish();
   check_closure(root, plant);

@@ -1,5 +1,7 @@
 #include "drivers/simulated/plant/file/make_plant.h"
 
+#include <stdexcept>
+
 #include "drivers/simulated/plant/file/plant_file.h"
 
 namespace driftwise::simulated {
@@ -16,10 +18,8 @@ std::unique_ptr<PlantOfKind> plant_of(const std::filesystem::path& file,
   return std::make_unique<PlantOfKind>(std::move(*wanted), options.seed, options.epoch_ns);
 }
 
-}  // namespace
-
-std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
-                                          const PlantOptions& options) {
+std::unique_ptr<CellPlant> plant_of_any_kind(const std::filesystem::path& file,
+                                             const PlantOptions& options) {
   PlantParameters parameters = read_plant_file(file, options.overrides);
   if (auto* axis = std::get_if<LinearAxisParameters>(&parameters)) {
     return std::make_unique<LinearAxisPlant>(std::move(*axis), options.seed, options.epoch_ns);
@@ -35,6 +35,19 @@ std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
   }
   return std::make_unique<MicroNanoPlant>(std::get<MicroNanoParameters>(std::move(parameters)),
                                           options.seed, options.epoch_ns);
+}
+
+}  // namespace
+
+std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
+                                          const PlantOptions& options) {
+  auto plant = plant_of_any_kind(file, options);
+  try {
+    plant->check_voltages();
+  } catch (const std::out_of_range& problem) {
+    throw PlantFileError(file.string() + ": " + problem.what() + "; columns: truth.csv");
+  }
+  return plant;
 }
 
 std::unique_ptr<LinearAxisPlant> make_plant(const std::filesystem::path& file,

@@ -91,7 +91,7 @@ MicroNanoParameters micro_nano_sections(Fields root) {
   plant.optics.fold_height_mm = optics.within("fold_height_mm", 1, 1000);
   plant.optics.fold_span_mm = optics.within("fold_span_mm", 10, 1000);
   optics.finish();
-  plant.collimator = collimator_section(root.table("collimator"));
+  plant.collimator = collimator_section(root.table("collimator"), plant.parts);
   plant.load = load_section(root.table("load"));
 
   Fields axis = root.table("axis");
@@ -111,6 +111,7 @@ MicroNanoParameters micro_nano_sections(Fields root) {
   }
   axis.finish();
   stabiliser.finish();
+  voltage_sections(root, plant);
   hidden_sections(root, materials, plant);
   root.finish();
   return plant;

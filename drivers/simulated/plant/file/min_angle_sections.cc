@@ -119,6 +119,7 @@ MinAngleParameters min_angle_sections(Fields root) {
   }
   axis.finish();
   stabiliser.finish();
+  voltage_sections(root, plant);
   hidden_sections(root, materials, plant);
   root.finish();
   return plant;

@@ -24,6 +24,9 @@ InterferometerParameters interferometer_section(Fields& fields,
                                                 const std::vector<PartParameters>& parts);
 StabiliserParameters stabiliser_section(Fields& fields);
 
+// Of [voltage] into `cell`, whose axes are known.
+void voltage_sections(Fields& root, CellParameters& cell);
+
 // Node of the part that the key names; fails when there is none.
 int part_named(Fields& fields, std::string_view key, const std::vector<PartParameters>& parts);
 std::vector<int> parts_named(Fields& fields, std::string_view key,

@@ -86,6 +86,10 @@ struct CollimatorParameters {
   double alignment_arcsec = 0;  // zero offset, standard deviation
   double roll_mrad = 0;         // about the beam
   double scale_error = 0;       // relative, standard deviation
+  // The 45 degree mirror over which the first one sees ry turns by so much per kelvin of a part,
+  // and the robot does not. 0: it looks straight.
+  double mirror_arcsec_per_k = 0;
+  int mirror_part = 0;
 };
 
 struct LoadParameters {

@@ -16,7 +16,10 @@ std::array<double, 3> in_nm(Vec3 mm) { return {mm.x * kNmPerMm, mm.y * kNmPerMm,
 
 double MicroNanoPlant::drift_arcsec(std::size_t index, double time_s) const {
   const auto& c = parameters_.collimator;
-  return collimator_drift_arcsec(c, seed_, static_cast<int>(index), time_s);
+  const double by_itself = collimator_drift_arcsec(c, seed_, static_cast<int>(index), time_s);
+  if (index != 0 || c.mirror_arcsec_per_k == 0) return by_itself;
+  const double mount_degc = world_.at(time_s).degc[static_cast<std::size_t>(c.mirror_part)];
+  return by_itself + c.mirror_arcsec_per_k * (mount_degc - parameters_.reference_degc);
 }
 
 AngleReading MicroNanoPlant::measure_angle(int index, double average_s, TimeNs end) {

@@ -24,6 +24,7 @@ struct TiltWorld {
   bool away = false;         // carried to another set-up
   bool breaks_beam = false;  // the interferometer loses its beam beyond 1.2 mm
   int readings = 0;
+  double zero_arcsec = 3, wrong_per_mm = 0;  // of what it reads
 };
 class Tilts final : public Instrument {
  public:
@@ -41,11 +42,14 @@ class Tilts final : public Instrument {
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer());
     ++tilts_.readings;
     if (tilts_.breaks_beam && std::abs(world_.to_mm) > 1.2) world_.beam_lost = true;
-    const double ry = 20 * world_.to_mm + 3;
+    const double ry = (20 + tilts_.wrong_per_mm) * world_.to_mm + tilts_.zero_arcsec;
     if (std::abs(ry) > 30)
       co_return fail(ErrorCode::failed_precondition, "NO_SPOT", "tilts: the spot is outside");
-    co_return Reading{
-        "tilts", start, time_.now().utc, ++sequence_, {{"ry_arcsec", ry + 0.01 * world_.gauss()}}};
+    co_return Reading{description_.id,
+                      start,
+                      time_.now().utc,
+                      ++sequence_,
+                      {{"ry_arcsec", ry + 0.01 * world_.gauss()}}};
   }
 
  private:
@@ -76,12 +80,17 @@ class Setups : public testing::Test {
     tilts.channels = {{"ry", "arcsec"}};
     tilts.settings = AngleSettings{{{{"ry", "arcsec"}, 1, 1, 0.1}}};
     cell.devices.push_back(tilts);
+    tilts.id = "tilts-2";
+    cell.devices.push_back(tilts);
     cell.setups = {setup("length", {{{"x", "mm"}, "laser-x", 1.0005, 0, {}, {}}}),
                    setup("tilt", {{{"ry", "arcsec"}, "tilts", 1, 0, {}, {}}}),
                    setup("both", {{{"x", "mm"}, "laser-x", 1, 0, {}, {}},
                                   {{"ry", "arcsec"}, "tilts", 1, 0, -30.0, 30.0}}),
                    setup("near", {{{"x", "mm"}, "laser-x", 1, 0, -1.2, 1.2},
+                                  {{"ry", "arcsec"}, "tilts", 1, 0, {}, {}}}),
+                   setup("sure", {{{"x", "mm"}, "laser-x", 1, 0, {}, {}},
                                   {{"ry", "arcsec"}, "tilts", 1, 0, {}, {}}})};
+    cell.setups.back().confirmations = {{{"ry", "arcsec"}, "tilts-2", 1, 0, 0.5}};
     for (const auto& one : cell.setups) {  // as a file would have them
       cell.text += "[[setup]]\nname = \"" + one.name + "\"\n";
       for (const auto& coordinate : one.coordinates)
@@ -114,11 +123,13 @@ class Setups : public testing::Test {
   const std::string plan = lines_of(3, {1, -1, 0.5}, true);
   Folder folder;
   SmallWorld world;
-  TiltWorld tilts;
+  TiltWorld tilts, second_tilts{.zero_arcsec = -7};
   CellInMemory cell{
       [this](VirtualTime& time, const CellDescription& of) {
         auto devices = small_devices(world, time, of);
-        devices.push_back(std::make_unique<Tilts>(tilts, world, time, of.devices.back()));
+        devices.push_back(std::make_unique<Tilts>(tilts, world, time, *of.find_device("tilts")));
+        devices.push_back(
+            std::make_unique<Tilts>(second_tilts, world, time, *of.find_device("tilts-2")));
         return devices;
       },
       description(folder / "cell.sqlite"), kSqlite, CellInMemory::Further{}};
@@ -141,6 +152,52 @@ TEST_F(Setups, ReadTheInstrumentsThatTheyNameAndNoOthers) {
   EXPECT_THAT(channels_of(angles.id), Contains("ry_arcsec"));
   EXPECT_THAT(channels_of(angles.id), Not(Contains("x_mm")));
   EXPECT_THAT(channels_of(angles.id), Not(Contains("x_std_nm")));
+}
+
+TEST_F(Setups, KeepTheSecondReadingOfAConfirmedRotationAndItsDifference) {
+  const auto run = measure_in("sure", plan);
+  ASSERT_EQ(run.state, RunState::done) << run.reason;
+  EXPECT_EQ(run.given_up, 0);
+  const auto data = cell.await(cell.read([&run](Store& store) {
+    return store.runs().dataset({&run.id, 1});
+  }));
+  const auto* first = data->find("ry");
+  const auto* confirmed = data->find("ry_confirmed");
+  const auto* difference = data->find("ry_difference");
+  ASSERT_TRUE(first && confirmed && difference);
+  // Each counts from its own zero at the datum: 3 and -7 arcsec of the devices are gone.
+  for (std::size_t i = 0; i < data->rows; ++i) {
+    EXPECT_NEAR(confirmed->values[i], first->values[i], 0.1);
+    EXPECT_NEAR(difference->values[i], confirmed->values[i] - first->values[i], 1e-9);
+  }
+}
+
+TEST_F(Setups, GiveUpARowWhoseRotationIsNotConfirmedAndTellBothFigures) {
+  second_tilts.wrong_per_mm =
+      1;  // 1 arcsec too much at 1 mm, 0.5 at 0.5 mm: beyond the limit of 0.5
+  const auto run = measure_in("sure", "q1_mm,zero\n0,1\n1,0\n0.2,0\n0,1\n");
+  ASSERT_EQ(run.state, RunState::done) << run.reason;
+  EXPECT_EQ(run.given_up, 1);
+  EXPECT_EQ(run.accepted, 3);
+  const auto attempts = cell.await(cell.attempts(run.id));
+  ASSERT_TRUE(attempts);
+  const auto refused =
+      std::ranges::find_if(*attempts, [](const auto& one) { return !one.reason.empty(); });
+  ASSERT_NE(refused, attempts->end());
+  EXPECT_EQ(refused->row, 1);
+  EXPECT_THAT(refused->reason,
+              testing::AllOf(HasSubstr("by 'tilts' and"), HasSubstr("by 'tilts-2': difference +"),
+                             HasSubstr("arcsec, limit 0.5")));
+}
+
+TEST_F(Setups, NeedTheInstrumentThatConfirms) {
+  second_tilts.away = true;
+  const auto begun = try_in("sure", plan);
+  ASSERT_TRUE(begun);
+  cell.pass(600);
+  EXPECT_NE(cell.await(cell.run(begun->id))->state, RunState::done);
+  second_tilts.away = false;
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
 
 TEST_F(Setups, TheDatasetOfARunStatesWhichInstrumentsGaveItsCoordinates) {

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <map>
+#include <string>
+
 #include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/cell_file/cell_file_correction.h"
@@ -81,6 +84,48 @@ TEST(CellFileSetups, NameNoTwoInstrumentsOfOneCoordinate) {
               HasSubstr("'rx_arcsec' of 'fine', and 'level' gives it as well"));
 }
 
+// Two autocollimators that both see rz.
+constexpr const char* kTwoCollimators =
+    "[[device]]\nid = \"c1\"\nkind = \"newport-lds1000\"\naddress = \"127.0.0.1:6\"\n"
+    "  [[device.angle]]\n  channel = \"ry_arcsec\"\n  device_axis = 1\n"
+    "  [[device.angle]]\n  channel = \"rz_arcsec\"\n  device_axis = 2\n"
+    "[[device]]\nid = \"c2\"\nkind = \"newport-lds1000\"\naddress = \"127.0.0.1:7\"\n"
+    "  [[device.angle]]\n  channel = \"rx_arcsec\"\n  device_axis = 1\n"
+    "  [[device.angle]]\n  channel = \"rz_arcsec\"\n  device_axis = 2\n";
+
+std::string confirmed_setup(const std::string& confirmation) {
+  std::string text = std::string(kTwoCollimators) + "[[setup]]\nname = \"tilts\"\n";
+  for (const auto& [channel, device] : std::map<std::string, std::string>{
+           {"rx_arcsec", "c2"}, {"ry_arcsec", "c1"}, {"rz_arcsec", "c1"}})
+    text +=
+        "  [[setup.coordinate]]\n  channel = \"" + channel + "\"\n  device = \"" + device + "\"\n";
+  return text + confirmation;
+}
+
+TEST(CellFileSetups, LetASecondInstrumentConfirmARotation) {
+  const auto cell =
+      cell_with(confirmed_setup("  [[setup.confirmation]]\n  channel = \"rz_arcsec\"\n"
+                                "  device = \"c2\"\n  scale = -1\n  limit = 0.4\n"));
+  ASSERT_TRUE(cell) << cell.error().message;
+  const auto& one = cell->setups[0].confirmations.at(0);
+  EXPECT_EQ(one.device, "c2");
+  EXPECT_EQ(one.scale, -1);
+  EXPECT_EQ(one.limit, 0.4);
+  EXPECT_EQ(one.confirmed().name(), "rz_confirmed_arcsec");
+}
+
+TEST(CellFileSetups, ChangeWithTheLimitOfAConfirmation) {
+  const auto with_limit = [](const std::string& limit) {
+    return *cell_with(
+        confirmed_setup("  [[setup.confirmation]]\n  channel = \"rz_arcsec\"\n"
+                        "  device = \"c2\"\n  limit = " +
+                        limit + "\n"));
+  };
+  const auto changes = cell_file_difference(with_limit("0.4").text, with_limit("0.5"));
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].key, "confirmation rz_arcsec");
+}
+
 struct BadSetup {
   const char* name;
   std::string setup;
@@ -97,6 +142,26 @@ TEST_P(BadSetups, AreRefused) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadSetups,
     testing::Values(
+        BadSetup{"unconfirmed", confirmed_setup(""), "BAD_SETUP",
+                 "or a [[setup.confirmation]] of it by the second one"},
+        BadSetup{"confirms_itself",
+                 confirmed_setup("  [[setup.confirmation]]\n  channel = \"ry_arcsec\"\n"
+                                 "  device = \"c1\"\n  limit = 0.4\n"),
+                 "BAD_SETUP", "expected a second instrument"},
+        BadSetup{"confirms_nothing",
+                 kTwoCollimators + coordinate("channel = \"ry_arcsec\"\ndevice = \"c1\"\n") +
+                     "  [[setup.confirmation]]\n  channel = \"rx_arcsec\"\n"
+                     "  device = \"c2\"\n  limit = 0.4\n",
+                 "BAD_SETUP", "expected a coordinate that this set-up measures"},
+        BadSetup{"confirms_a_length",
+                 kTouch + coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\n") +
+                     "  [[setup.confirmation]]\n  channel = \"x_mm\"\n"
+                     "  device = \"touch\"\n  limit = 0.4\n",
+                 "BAD_SETUP", "expected a rotation"},
+        BadSetup{"no_limit",
+                 confirmed_setup("  [[setup.confirmation]]\n  channel = \"rz_arcsec\"\n"
+                                 "  device = \"c2\"\n"),
+                 "MISSING_KEY", "limit"},
         BadSetup{"nothing", "[[setup]]\nname = \"lengths\"\n", "BAD_SETUP",
                  "found no [[setup.coordinate]]"},
         BadSetup{

@@ -1,0 +1,18 @@
+#pragma once
+// A second port of an instrument whose reading depends on how an axis has moved: the force of a
+// motor by its current, of which dry friction hides a part.
+
+#include "server/core/channel.h"
+
+namespace driftwise {
+
+class AxisFollower {
+ public:
+  virtual ~AxisFollower() = default;
+  // Axis that it wants to know of.
+  virtual const Channel& followed_axis() const = 0;
+  // Its readback, each time that the controller gives one. Executor's thread.
+  virtual void axis_at(double q_mm) = 0;
+};
+
+}  // namespace driftwise
