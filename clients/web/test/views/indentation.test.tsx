@@ -19,7 +19,7 @@ beforeEach(() => {
 afterEach(cleanup);
 
 describe('an indentation', () => {
-  it('shows its stages, contacts and corrections', async () => {
+  it('shows its stages, contacts and corrections', { timeout: 30_000 }, async () => {
     useTransport(fakeDaemon());
     render(<Indentation />);
     const contacts = within(await screen.findByRole('table', { name: 'Contacts on the substrate' }, { timeout: 10_000 }));
@@ -31,7 +31,7 @@ describe('an indentation', () => {
     expect(within(screen.getByRole('table', { name: 'Stages' })).getAllByText('done')).toHaveLength(4);
     expect(screen.getByText(/plan 1, mn=5, ma=coarse:2: contacts 1, 2, 3/)).toBeTruthy();
   });
-  it('shows the table of indents with uncertainties, what cannot be told apart, and the verdict', async () => {
+  it('shows the table of indents with uncertainties, what cannot be told apart, and the verdict', { timeout: 30_000 }, async () => {
     useTransport(fakeDaemon());
     render(<Indentation />);
     const table = within(await screen.findByRole('table', { name: 'Indents against what was wanted' }, { timeout: 10_000 }));
