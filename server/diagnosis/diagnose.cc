@@ -33,6 +33,7 @@ constexpr std::size_t kMostBlocks = 4000;
 constexpr double kWorthTelling = 0.2;   // adjusted p of what is not named
 constexpr double kOmnibusLevel = 0.01;  // of "something is left" where nothing is
 constexpr double kShareLeft = 0.35;     // of what a finding is named for
+constexpr double kSmallestP = 1e-300;   // that is printed: 0 would be a rule, not a chance
 constexpr double kNoWeight = 1e4;       // spread of a wrong row over the others'
 
 // How far it is: each look for one more cause takes a part of what is left of the way.
@@ -119,7 +120,7 @@ class Diagnoser {
                       .where = "sensor",
                       .applies_to = effects::AppliesTo::dataset,
                       .rows = sensor.rows,
-                      .p_adjusted = 0,
+                      .p_adjusted = std::max(sensor.p, kSmallestP),
                       .sentence = sentence(sensor)};
       if (!dataset_.time_s.empty())
         finding.parameters.push_back({"time_s", dataset_.time_s[sensor.rows.front()], {}, {}});
@@ -128,7 +129,7 @@ class Diagnoser {
   }
 
   void leave_out_outliers() {
-    const auto outliers = outlier_rows(problem_);
+    const auto outliers = outlier_rows(problem_, options_.alpha);
     if (outliers.empty()) return;
     problem_.leave_out(note_outliers(outliers));
     problem_.lay_blocks(kMostBlocks);
@@ -141,10 +142,11 @@ class Diagnoser {
       if (rows.empty() || rows.back() != one.row) rows.push_back(one.row);
     auto known = std::ranges::find(result_.findings, "outliers", &Finding::cause);
     if (known == result_.findings.end())
-      known = result_.findings.insert(known, Finding{.cause = "outliers",
-                                                     .where = "data",
-                                                     .applies_to = effects::AppliesTo::dataset,
-                                                     .p_adjusted = 0});
+      known = result_.findings.insert(
+          known,
+          Finding{.cause = "outliers", .where = "data", .applies_to = effects::AppliesTo::dataset});
+    for (const auto& one : outliers)
+      known->p_adjusted = std::min(known->p_adjusted, std::max(one.p, kSmallestP));
     known->rows.insert(known->rows.end(), rows.begin(), rows.end());
     std::ranges::sort(known->rows);
     known->parameters = {{"count", static_cast<double>(known->rows.size()), {}, {}}};
@@ -238,6 +240,10 @@ class Diagnoser {
         free_of_sides(*sides, extension.all());
         return {};
       }
+      if (weighed_first(extension, *look)) {
+        again = false;
+        continue;
+      }
       if (look->first && look->p_adjusted <= options_.alpha) {
         DRIFTWISE_TRY(const auto added, extension.add(*look));
         again = !added;  // the base is the same one
@@ -265,17 +271,8 @@ class Diagnoser {
   // Every row's own spread, with the place and from an instant on.
   bool note_noise_changes(const Extension& extension, const std::vector<NoiseShape>& shapes) {
     bool any = note_gross_errors(extension.ground({}, shapes));
-    if (const auto sd = spread_over_places(problem_, extension.ground({}, shapes))) {
-      problem_.row_sd =
-          problem_.row_sd.size() == 0 ? *sd : Eigen::VectorXd(problem_.row_sd.cwiseProduct(*sd));
-      problem_.lay_blocks(kMostBlocks);
-      const Eigen::VectorXd learned = rows_of(*sd, problem_.learn);
-      char text[128];
-      std::snprintf(text, sizeof text,
-                    "the noise goes with the place: %.2g times as large at its largest as at its "
-                    "smallest; every row counts by its own",
-                    learned.maxCoeff() / learned.minCoeff());
-      result_.warnings.push_back(text);
+    if (const auto spread = spread_over_places(problem_, extension.ground({}, shapes))) {
+      weigh_rows(*spread, "place");
       any = true;
     }
     const auto changes = noise_changes(extension.ground({}, shapes));
@@ -295,13 +292,52 @@ class Diagnoser {
                       .subject = output.channel.symbol,
                       .where = "data",
                       .applies_to = effects::AppliesTo::dataset,
-                      .p_adjusted = std::exp(-change.gain / 2),
+                      .p_adjusted = std::max(std::exp(-change.gain / 2), kSmallestP),
                       .log_likelihood_ratio = change.gain / 2};
       finding.parameters.push_back({"ratio", change.ratio, {}, {}});
       finding.parameters.push_back({"time_s", problem_.timeline.time_s[change.block], {}, {}});
       finding.sentence = sentence(finding);
       result_.findings.push_back(std::move(finding));
     }
+    return true;
+  }
+
+  void weigh_rows(const Spread& spread, const std::string& goes_with) {
+    problem_.row_sd = problem_.row_sd.size() == 0
+                          ? spread.sd
+                          : Eigen::VectorXd(problem_.row_sd.cwiseProduct(spread.sd));
+    problem_.lay_blocks(kMostBlocks);
+    const Eigen::VectorXd learned = rows_of(spread.sd, problem_.learn);
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the noise goes with the %s: %.2g times as large at its largest as at its "
+                  "smallest; every row counts by its own",
+                  goes_with.c_str(), learned.maxCoeff() / learned.minCoeff());
+    result_.warnings.push_back(text);
+  }
+
+  // A spread that goes with the hour or the place, asked before a cause is named: where the noise
+  // is loud its slow part is large, and a cause is found for it. The spread comes first where it
+  // explains more than the cause does, and than a change at one instant, which has a name.
+  bool weighed_first(const Extension& extension, const Look& look) {
+    const Ground ground = extension.ground({}, look.shapes);
+    const double cause =
+        look.first && look.p_adjusted <= options_.alpha ? look.causes[*look.first].evidence : 0;
+    double at_an_instant = 0;
+    for (const auto& change : noise_changes(ground)) at_an_instant += change.gain;
+    const auto over_time = time_weighed_ ? std::nullopt : spread_over_time(problem_, ground);
+    const auto over_places = place_weighed_ ? std::nullopt : spread_over_places(problem_, ground);
+    const auto more = [](const std::optional<Spread>& one, double than) {
+      return one && one->gain > than;
+    };
+    if (more(over_time, std::max({cause, at_an_instant, over_places ? over_places->gain : 0}))) {
+      time_weighed_ = true;
+      weigh_rows(*over_time, "hour");
+      return true;
+    }
+    if (!more(over_places, std::max(cause, at_an_instant))) return false;
+    place_weighed_ = true;
+    weigh_rows(*over_places, "place");
     return true;
   }
 
@@ -440,6 +476,7 @@ class Diagnoser {
     std::string cause;
     double p_adjusted = 1;
   } nearest_;  // of those that were not named
+  bool time_weighed_ = false, place_weighed_ = false;
   Diagnosis result_;
 };
 
@@ -489,10 +526,11 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   }
   if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
   Dataset mended = in_catalogue_units(dataset);
-  auto sensors = mend_sensors(mended, options.baseline.outputs.size(), [&](const Dataset& data) {
-    const auto laid = lay_out(data, options.baseline, kMostBlocks);
-    return laid ? two_ln_likelihood(*laid) : -INFINITY;
-  });
+  auto sensors = mend_sensors(mended, options.baseline.outputs.size(), options.alpha,
+                              [&](const Dataset& data) {
+                                const auto laid = lay_out(data, options.baseline, kMostBlocks);
+                                return laid ? two_ln_likelihood(*laid) : -INFINITY;
+                              });
   DiagnoseOptions asked = options;
   std::vector<std::string> dead;
   asked.baseline = without_dead_sensors(options.baseline, dataset, sensors, dead);

@@ -1,8 +1,12 @@
 #include "server/diagnosis/noise/robust.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
+
+#include "server/calibration/linear/tail.h"
 
 namespace driftwise::diagnosis {
 
@@ -17,6 +21,46 @@ double robust_sd(std::vector<double> values) {
   constexpr double kMadToSd = 1.4826;
   for (auto& value : values) value = std::abs(value);
   return kMadToSd * median(std::move(values));
+}
+
+double StudentLaw::beyond(double value) const {
+  return scale > 0 ? calibration::t_two_sided_p(value / scale, freedom) : 0;
+}
+
+StudentLaw student_law(const std::vector<double>& values, double least) {
+  constexpr std::array<double, 7> kOfFreedom = {2, 3, 4, 6, 10, 20, 1000};
+  constexpr int kRounds = 40;
+  StudentLaw best;
+  const auto n = static_cast<double>(values.size());
+  const double floor = std::max(least * least, 1e-300);
+  double highest = -INFINITY;
+  for (const double freedom : kOfFreedom) {
+    double square = std::max(std::pow(robust_sd(values), 2), floor);
+    for (int round = 0; round < kRounds; ++round) {  // expectation and maximisation
+      double sum = 0;
+      for (const double value : values)
+        sum += (freedom + 1) * value * value / (freedom + value * value / square);
+      square = std::max(sum / std::max(n, 1.0), floor);
+    }
+    double likelihood = n * (std::lgamma((freedom + 1) / 2) - std::lgamma(freedom / 2) -
+                             0.5 * std::log(freedom * std::numbers::pi * square));
+    for (const double value : values)
+      likelihood -= (freedom + 1) / 2 * std::log1p(value * value / (freedom * square));
+    if (likelihood <= highest) continue;
+    highest = likelihood;
+    best = {std::sqrt(square), freedom};
+  }
+  return best;
+}
+
+double chance_of_as_many(double p, std::size_t count, std::size_t all) {
+  // The expected number of groups of `count`, all over: binomial coefficient times p^count.
+  const auto k = static_cast<double>(count), n = static_cast<double>(all);
+  if (count == 0 || count > all) return count == 0 ? 1 : 0;
+  if (!(p > 0)) return 0;
+  const double ln =
+      std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) + k * std::log(p);
+  return ln < 0 ? std::exp(ln) : 1;
 }
 
 }  // namespace driftwise::diagnosis

@@ -237,7 +237,7 @@ Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
   Finding finding{.cause = "probe_hysteresis",
                   .where = "instrument",
                   .applies_to = effects::AppliesTo::dataset,
-                  .p_adjusted = std::exp(-sides.gain / 2),
+                  .p_adjusted = std::max(std::exp(-sides.gain / 2), 1e-300),
                   .log_likelihood_ratio = sides.gain / 2};
   Eigen::VectorXd noise_sd(sides.half.size());
   for (std::size_t o = 0; o < problem.outputs.size(); ++o)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include "server/diagnosis/noise/robust.h"
@@ -142,6 +143,8 @@ class Tails {
   std::array<Fit, kFreedoms.size()> one_law_, two_laws_;
 };
 
+constexpr int kDrawnTails = 49;
+
 struct GrossGain {
   double gain = 0;  // 2 ln L
   std::size_t freedom = 0;
@@ -167,10 +170,36 @@ GrossGain gross_gain(const std::vector<Tails>& outputs, std::size_t output) {
   return result;
 }
 
+// Chance of such a gain where all rows of all outputs follow one Student law, from the largest gain
+// over the outputs in rows drawn so. Its tail falls like exp(-x / 2): a ratio of likelihoods.
+double chance_of_gross(const std::vector<Tails>& outputs, Eigen::Index rows, double gain) {
+  std::size_t freedom = 0;
+  double highest = -INFINITY;
+  for (std::size_t f = 0; f < kFreedoms.size(); ++f) {
+    double sum = 0;
+    for (const Tails& one : outputs) sum += one.one_law(f);
+    if (sum > highest) highest = sum, freedom = f;
+  }
+  std::mt19937_64 random(1);
+  std::student_t_distribution<double> student(kFreedoms[freedom]);
+  double chance = 0;
+  for (int k = 0; k < kDrawnTails; ++k) {
+    std::vector<Tails> drawn;
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      drawn.emplace_back(Eigen::VectorXd::NullaryExpr(rows, [&] { return student(random); }));
+    double largest = 0;
+    for (std::size_t o = 0; o < drawn.size(); ++o)
+      largest = std::max(largest, gross_gain(drawn, o).gain);
+    chance += std::min(1.0, std::exp((largest - gain) / 2)) / kDrawnTails;
+  }
+  return chance;
+}
+
 }  // namespace
 
-std::vector<OutlierRow> outlier_rows(const Problem& problem) {
+std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
   std::vector<OutlierRow> found;
+  double p = 1;
   std::vector<std::size_t> rows = problem.learn;
   rows.insert(rows.end(), problem.judge.begin(), problem.judge.end());
   std::ranges::sort(rows);
@@ -191,16 +220,28 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem) {
     for (double& one : about) one -= middle;
     const double least = kWrongRow * robust_sd(about);  // slow noise has close neighbours
     const auto beside = as_beside(problem, rows, about);
+    std::vector<double> others;
+    double nearest = INFINITY;
+    std::size_t count = 0;
     for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
       if (!(sd[i] > 0) || std::abs(apart[i]) <= std::max(kWrongRow * sd[i], least) ||
           std::abs(across[i]) >= kAgree * sd_across[i] ||
-          std::abs(about[i] - beside[i]) < kOwn * std::abs(about[i]))
+          std::abs(about[i] - beside[i]) < kOwn * std::abs(about[i])) {
+        others.push_back(apart[i]);
         continue;
+      }
+      nearest = std::min(nearest, std::abs(apart[i]));
+      ++count;
       found.push_back({rows[i], output.channel.symbol, std::abs(apart[i]) / sd[i]});
       wrong.insert(rows[i]);
     }
+    if (count > 0)
+      p = std::min(
+          p, static_cast<double>(problem.outputs.size()) *
+                 chance_of_as_many(student_law(others, 0).beyond(nearest), count, rows.size()));
   }
-  if (tails_are_heavy(problem, rows, wrong)) return {};
+  if (p > alpha || tails_are_heavy(problem, rows, wrong)) return {};
+  for (auto& one : found) one.p = p;
   if (static_cast<double>(wrong.size()) > kMostWrongRows * static_cast<double>(rows.size()))
     return {};
   std::ranges::stable_sort(found, {}, &OutlierRow::row);
@@ -222,6 +263,9 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
     const Eigen::VectorXd& left = left_of[at_output];
     const GrossGain best = gross_gain(tails, at_output);
     if (best.gain < needed) continue;
+    const double p = std::max(chance_of_gross(tails, left.size(), best.gain),
+                              static_cast<double>(ground.outputs()) * std::exp(-best.gain / 2));
+    if (p > alpha) continue;
     const Eigen::ArrayXd& gross = tails[at_output].gross(best.freedom);
     const auto beside = as_beside(problem, problem.learn, {left.data(), left.data() + left.size()});
     std::vector<OutlierRow> rows;
@@ -233,7 +277,7 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
       shared += follows || std::abs(left[i] - beside[at]) < kOwn * std::abs(left[i]) ? 1 : 0;
       rows.push_back({problem.learn[at],
                       problem.outputs[static_cast<std::size_t>(o)].channel.symbol,
-                      std::abs(left[i]) / robust_sd({left.data(), left.data() + left.size()})});
+                      std::abs(left[i]) / robust_sd({left.data(), left.data() + left.size()}), p});
     }
     // What neighbours in time or place share is no error of a row.
     if (shared == 0) found.insert(found.end(), rows.begin(), rows.end());

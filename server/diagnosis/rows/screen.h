@@ -18,7 +18,9 @@ struct FaultySensor {
   std::vector<std::size_t> rows;  // frozen, spiked: the wrong ones; jumped, swapped: from here on
   double size = 0;                // of a jump, in the channel's unit
   bool mended = true;             // false: the readings are as they were
-  bool named = true;              // false: told only, it may be real
+  // Chance that readings which are right look so, for all rows and thermometers looked at.
+  double p = 1;
+  bool named = true;  // false: told only, it may be real
 };
 
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
@@ -35,8 +37,13 @@ struct FaultySensor {
 // told only. One that the outputs follow is none: they
 // lose more without it than chance takes in one of a hundred, and would lose with the same jump at
 // any of nineteen other rows. outputs: their number.
+// A fault is named where its p is at most alpha. Frozen: a run of equal readings as long as that,
+// by how often the other readings repeat. Spiked, jumped: as large a change under Student's law
+// with the degrees of freedom that the sensor's other changes have (heavy tails: a room with
+// doors); times what the outputs say, exp(-gain / 2) of 2 ln L: a ratio of likelihoods has the
+// mean 1 where the readings are right. Swapped: by the outputs alone.
 std::vector<FaultySensor> mend_sensors(
-    Dataset& dataset, std::size_t outputs,
+    Dataset& dataset, std::size_t outputs, double alpha,
     const std::function<double(const Dataset&)>& two_ln_likelihood);
 
 // Of the outputs by the baseline, least squares over the rows that learn, with noise of first order
@@ -47,19 +54,21 @@ struct OutlierRow {
   std::size_t row = 0;  // of the dataset
   std::string output;
   double sigmas = 0;
+  double p = 1;  // of all wrong rows of the look together
 };
 
 // Isolated wrong rows, of those that learn and those that judge: one that stands far off both its
 // neighbours in time, which agree with one another. Nothing when there are so many that they are no
 // exceptions (5 %); not where those measured beside it in position are half as far off: then the
-// place is wrong.
-std::vector<OutlierRow> outlier_rows(const Problem& problem);
+// place is wrong. Nothing where as many rows as far off are likelier than alpha under Student's law
+// with the degrees of freedom that the other rows have.
+std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha);
 
 // Rows that are too far off for the noise, tails and all, in what is left, whitened: a few gross
 // errors of a size of their own beside a Student law, against a Student law alone, whose degrees of
-// freedom all outputs share. Two more parameters, so that 2 ln L grows by 2 ln(outputs / alpha)
-// with the chance alpha. Nothing where neighbours in time or place share it, nor where the search
-// works on averages of rows.
+// freedom all outputs share. The growth of 2 ln L is compared with that of rows drawn from the
+// Student law alone, and asked for 2 ln(outputs / alpha) at least. Nothing where
+// neighbours in time or place share it, nor where the search works on averages of rows.
 std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& ground, double alpha);
 
 struct NoiseChange {

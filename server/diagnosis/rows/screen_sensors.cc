@@ -21,6 +21,16 @@ constexpr double kMoves = 4;           // of its usual change: a thermometer tha
 constexpr std::size_t kRowsPerSensor = 10;
 constexpr std::size_t kSpan = 3;  // rows of a change that foretells: more than the readings' steps
 
+// Product of two chances that are independent where nothing is wrong: how often it is as small.
+double of_both(double a, double b) {
+  const double product = a * b;
+  return product > 0 ? std::min(1.0, product * (1 - std::log(product))) : 0;
+}
+
+// What the outputs say for the mended readings: a ratio of likelihoods has the mean 1 where the
+// readings are right, so that it is as large with a chance of 1 over itself at most.
+double by_outputs(double gain) { return std::exp(-std::max(gain, 0.0) / 2); }
+
 struct Sensor {
   DatasetColumn* column = nullptr;
   double usual = 0;                // size of own_change() from row to row
@@ -94,6 +104,17 @@ std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
   return rows;
 }
 
+// Of a run of `length` equal readings anywhere, by how often the others repeat the one before.
+double chance_frozen(const std::vector<double>& values, std::size_t length) {
+  double same = 0, pairs = 0;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (std::isfinite(values[i]) && std::isfinite(values[i - 1]))
+      same += values[i] == values[i - 1] ? 1 : 0, pairs += 1;
+  const double often = (same + 1) / (pairs + 2);
+  return std::min(
+      1.0, static_cast<double>(values.size()) * std::pow(often, static_cast<double>(length)));
+}
+
 // The smallest step between neighbouring values: that of a thermometer that reads in 0.01 K.
 double resolution_of(const std::vector<double>& v) {
   double smallest = INFINITY;
@@ -102,7 +123,8 @@ double resolution_of(const std::vector<double>& v) {
   return std::isfinite(smallest) ? smallest : 0;
 }
 
-std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
+// p: of as many spikes as these.
+std::vector<std::size_t> spiked_rows(const std::vector<double>& v, double& p) {
   std::vector<double> apart(v.size(), 0), across(v.size(), 0);
   for (std::size_t i = 1; i + 1 < v.size(); ++i) {
     apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
@@ -113,6 +135,17 @@ std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
   std::vector<std::size_t> rows;
   for (std::size_t i = 1; i + 1 < v.size(); ++i)
     if (std::abs(apart[i]) > least && std::abs(across[i]) < least / 2) rows.push_back(i);
+  if (rows.empty()) return rows;
+  double nearest = INFINITY;
+  std::vector<double> others;
+  for (std::size_t i = 1; i + 1 < v.size(); ++i) {
+    const bool next_to =
+        std::ranges::any_of(rows, [i](std::size_t row) { return i + 1 >= row && i <= row + 1; });
+    if (std::ranges::find(rows, i) != rows.end()) nearest = std::min(nearest, std::abs(apart[i]));
+    if (!next_to && std::isfinite(apart[i])) others.push_back(apart[i]);
+  }
+  const StudentLaw law = student_law(others, resolution_of(v));
+  p = chance_of_as_many(law.beyond(nearest), rows.size(), v.size());
   return rows;
 }
 
@@ -204,6 +237,17 @@ double usual_change(const std::vector<double>& v) {
   return spread_near(changes);
 }
 
+// Of a change as large as that at this row, at any row: of the readings, and beyond what the other
+// thermometers foretell.
+double chance_jumped(const std::vector<double>& v, std::size_t row, double resolution) {
+  std::vector<double> others;
+  for (std::size_t i = 1; i < v.size(); ++i)
+    if (std::isfinite(v[i]) && std::isfinite(v[i - 1]) && i != row)
+      others.push_back(own_change(v, i));
+  const StudentLaw law = student_law(others, resolution);
+  return chance_of_as_many(law.beyond(own_change(v, row)), 1, v.size());
+}
+
 // beyond: of beyond_the_others().
 void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset& dataset) {
   const auto& time_s = dataset.time_s;
@@ -246,7 +290,7 @@ double two_ln_likelihood(const Problem& problem) {
 }
 
 std::vector<FaultySensor> mend_sensors(
-    Dataset& dataset, std::size_t outputs,
+    Dataset& dataset, std::size_t outputs, double alpha,
     const std::function<double(const Dataset&)>& two_ln_likelihood) {
   std::vector<FaultySensor> found;
   if (dataset.rows < kFewestRows) return found;
@@ -254,13 +298,16 @@ std::vector<FaultySensor> mend_sensors(
   for (auto& column : dataset.columns) {
     if (!is_structure_temperature(column.channel)) continue;
     const auto frozen = frozen_rows(column.values);
-    const auto spiked = spiked_rows(column.values);
+    double p_spiked = 1, p_frozen = 1;
+    const auto spiked = spiked_rows(column.values, p_spiked);
     for (const auto* rows : {&frozen, &spiked})
       for (const std::size_t row : *rows) column.values[row] = kMissing;
-    if (!frozen.empty())
-      found.push_back({SensorFault::frozen, column.channel.symbol, "", frozen, 0});
+    if (!frozen.empty()) {
+      p_frozen = chance_frozen(column.values, frozen.size());
+      found.push_back({SensorFault::frozen, column.channel.symbol, "", frozen, 0, true, p_frozen});
+    }
     if (!spiked.empty())
-      found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0});
+      found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0, true, p_spiked});
     sensors.push_back({&column, 0, {}});
   }
   std::vector<std::vector<double>> beyond;
@@ -289,19 +336,21 @@ std::vector<FaultySensor> mend_sensors(
         auto& theirs = sensors[*partner].column->values;
         const double as_read = two_ln_likelihood(dataset);
         for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
-        if (two_ln_likelihood(dataset) < as_read + kEvidence) {
+        const double gain = two_ln_likelihood(dataset) - as_read;
+        if (gain < kEvidence) {
           for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
           continue;
         }
         std::erase(sensors[*partner].jumps, row);
         found.push_back({SensorFault::swapped, sensors[s].column->channel.symbol,
-                         sensors[*partner].column->channel.symbol, rows,
-                         level_change(values, row)});
+                         sensors[*partner].column->channel.symbol, rows, level_change(values, row),
+                         true, by_outputs(gain)});
         continue;
       }
       if (together.size() > 1 && 2 * together.size() > sensors.size()) continue;  // the room did
       if (goes_on_as_ramp(beyond[s], row, size)) continue;
       const double as_read = two_ln_likelihood(dataset);
+      const std::vector<double> as_read_values = values;
       for (const std::size_t i : rows) values[i] -= size;
       const double gain = two_ln_likelihood(dataset) - as_read;
       const bool mended = gain >= kEvidence;
@@ -310,9 +359,17 @@ std::vector<FaultySensor> mend_sensors(
       if (!mended)
         for (const std::size_t i : rows) values[i] += size;
       if (followed) continue;
+      const double resolution = resolution_of(sensors[s].column->values);
+      const double by_readings = std::max(chance_jumped(as_read_values, row, resolution),
+                                          chance_jumped(beyond[s], row, resolution));
       found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size,
-                       mended, mended || stands_alone(sensors, s, row)});
+                       mended, of_both(by_readings, by_outputs(gain)),
+                       mended || stands_alone(sensors, s, row)});
     }
+  for (auto& one : found) {
+    one.p = std::min(1.0, one.p * static_cast<double>(sensors.size()));
+    one.named = one.named && one.p <= alpha;
+  }
   return found;
 }
 

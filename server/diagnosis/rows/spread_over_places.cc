@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "server/diagnosis/noise/robust.h"
@@ -15,8 +16,11 @@ constexpr double kClip = 9;      // of a square, in units of its usual size
 constexpr double kMostLn = 1.2;  // of the variance, on either side of its middle: sd 1 to 3.3
 constexpr Eigen::Index kRowsPerColumn = 15;
 constexpr int kSteps = 12;
+constexpr double kNotNew =
+    0.05;  // of a column's length: places that shift a little are the same
+constexpr double kDay_s = 86400, kPartOfADay = 0.5;
 
-// Every dataset row: 1, then u and u^2 of each pose coordinate that varies, u from -1 to 1.
+// Every dataset row: 1, then u of each pose coordinate that varies (-1 to 1), then its squares.
 Eigen::MatrixXd place_columns(const Problem& problem, Eigen::Index most) {
   const Dataset& data = problem.prepared.conditions();
   std::vector<Eigen::VectorXd> found;
@@ -40,10 +44,50 @@ Eigen::MatrixXd place_columns(const Problem& problem, Eigen::Index most) {
   result.col(0).setOnes();
   for (Eigen::Index j = 0; j < axes; ++j) {
     const auto& u = found[static_cast<std::size_t>(j)];
-    result.col(1 + each * j) = u;
-    if (each == 2) result.col(2 + 2 * j) = u.cwiseAbs2();
+    result.col(1 + j) = u;
+    if (each == 2) result.col(1 + axes + j) = u.cwiseAbs2();
   }
   return result;
+}
+
+// Every dataset row: 1, then u and u^2 of the time (-1 to 1), and the cosine and sine of the day's
+// cycle where the rows that learn cover a good part of one.
+Eigen::MatrixXd time_columns(const Problem& problem, Eigen::Index most) {
+  const auto& time_s = problem.data().time_s;
+  if (time_s.empty() || most < 3) return {};
+  const auto n = static_cast<Eigen::Index>(time_s.size());
+  const double first_s = time_s.front(), length_s = time_s.back() - first_s;
+  if (!(length_s > 0)) return {};
+  const bool day = length_s > kPartOfADay * kDay_s && most >= 5;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Ones(n, day ? 5 : 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double since_s = time_s[static_cast<std::size_t>(i)] - first_s;
+    const double u = 2 * since_s / length_s - 1;
+    result(i, 1) = u;
+    result(i, 2) = u * u;
+    if (!day) continue;
+    result(i, 3) = std::cos(2 * std::numbers::pi * since_s / kDay_s);
+    result(i, 4) = std::sin(2 * std::numbers::pi * since_s / kDay_s);
+  }
+  return result;
+}
+
+// The columns that are no combinations of those before them, on the rows that learn: six places
+// determine no polynomial of second degree in three coordinates, and still have a spread each.
+Eigen::MatrixXd determined(const Problem& problem, const Eigen::MatrixXd& all) {
+  const Eigen::MatrixXd learned = problem.learned(all);
+  Eigen::MatrixXd basis(learned.rows(), learned.cols());
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index j = 0; j < learned.cols(); ++j) {
+    Eigen::VectorXd rest = learned.col(j);
+    const auto known = basis.leftCols(static_cast<Eigen::Index>(kept.size()));
+    for (int pass = 0; pass < 2; ++pass)  // twice is enough
+      rest -= known * (known.transpose() * rest).eval();
+    if (!(rest.norm() > kNotNew * learned.col(j).norm())) continue;
+    basis.col(static_cast<Eigen::Index>(kept.size())) = rest.normalized();
+    kept.push_back(j);
+  }
+  return all(Eigen::all, kept);
 }
 
 // Per block: the mean over the outputs of the squares of what is left, each about 1, clipped.
@@ -59,13 +103,11 @@ Eigen::VectorXd squares(const Ground& ground) {
   return sum / static_cast<double>(ground.outputs());
 }
 
-}  // namespace
-
-std::optional<Eigen::VectorXd> spread_over_places(const Problem& problem, const Ground& ground) {
+// all: every dataset row, the first column 1.
+std::optional<Spread> fitted_spread(const Problem& problem, const Ground& ground,
+                                    const Eigen::MatrixXd& all) {
   const Eigen::VectorXd y = squares(ground);
-  if (y.size() == 0) return std::nullopt;
-  const Eigen::MatrixXd all = place_columns(problem, y.size() / kRowsPerColumn);
-  if (all.cols() < 2) return std::nullopt;
+  if (y.size() == 0 || all.cols() < 2) return std::nullopt;
   const Eigen::MatrixXd z = problem.learned(all);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(z);
   if (qr.rank() < z.cols()) return std::nullopt;
@@ -90,7 +132,33 @@ std::optional<Eigen::VectorXd> spread_over_places(const Problem& problem, const 
   const double middle = (z.rightCols(k) * slopes).mean();
   Eigen::VectorXd variance = (ln.array() - middle).max(-kMostLn).min(kMostLn).exp().matrix();
   variance /= problem.learned(variance).mean();
-  return variance.cwiseSqrt();
+  Spread result;
+  // Of 2 ln L for normal rows, and less where the squares scatter more than those of normal rows
+  // do: a mean of `outputs` of them has the variance 2 / outputs.
+  const Eigen::ArrayXd relative = problem.learned(variance).array();
+  const double level = (y.array() / relative).mean();
+  const double scatter = (y.array() / (relative * level) - 1).square().mean();
+  const auto outputs = static_cast<double>(ground.outputs());
+  result.gain =
+      outputs *
+      (static_cast<double>(y.size()) * std::log(y.mean() / level) - relative.log().sum()) /
+      std::max(outputs * scatter / 2, 1.0);
+  result.sd = variance.cwiseSqrt();
+  return result;
+}
+
+}  // namespace
+
+std::optional<Spread> spread_over_places(const Problem& problem, const Ground& ground) {
+  const Eigen::MatrixXd all = place_columns(problem, ground.series().rows() / kRowsPerColumn);
+  if (all.cols() < 2) return std::nullopt;
+  return fitted_spread(problem, ground, determined(problem, all));
+}
+
+std::optional<Spread> spread_over_time(const Problem& problem, const Ground& ground) {
+  const Eigen::MatrixXd all = time_columns(problem, ground.series().rows() / kRowsPerColumn);
+  if (all.cols() < 2) return std::nullopt;
+  return fitted_spread(problem, ground, determined(problem, all));
 }
 
 }  // namespace driftwise::diagnosis

@@ -7,12 +7,15 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/noise/ground.h"
 #include "server/diagnosis/noise/noise_model.h"
+#include "server/diagnosis/noise/robust.h"
 #include "server/diagnosis/rows/problem.h"
 #include "server/diagnosis/rows/smoothing.h"
 #include "server/diagnosis/rows/spread_over_places.h"
@@ -48,8 +51,8 @@ Eigen::MatrixXd of_unit_length(const Eigen::MatrixXd& columns) {
 }
 
 // An axis over `places` places of 8 mm, drawn; noise_nm(place in -1..1) is the noise's spread.
-template <typename Spread>
-Dataset one_axis(unsigned seed, std::size_t rows, std::size_t places, const Spread& noise_nm) {
+template <typename SpreadOf>
+Dataset one_axis(unsigned seed, std::size_t rows, std::size_t places, const SpreadOf& noise_nm) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   Dataset data;
@@ -219,20 +222,21 @@ TEST(NoiseThatGrowsAlongABeam, IsWeighedRowByRow) {
   ASSERT_TRUE(problem);
   const Eigen::MatrixXd series = problem->learned(problem->outputs[0].measured);
   const Ground ground(problem->timeline, {{0, 1}}, problem->learned(problem->base_columns), series);
-  const auto sd = spread_over_places(*problem, ground);
-  ASSERT_TRUE(sd);
+  const auto spread = spread_over_places(*problem, ground);
+  ASSERT_TRUE(spread);
+  const Eigen::VectorXd& sd = spread->sd;
   double near = 0, far = 0;
   for (std::size_t i = 0; i < data.rows; ++i) {
     const double u = data.columns[0].values[i] / 4;
-    if (u < -0.99) near = (*sd)[static_cast<Eigen::Index>(i)];
-    if (u > 0.99) far = (*sd)[static_cast<Eigen::Index>(i)];
+    if (u < -0.99) near = sd[static_cast<Eigen::Index>(i)];
+    if (u > 0.99) far = sd[static_cast<Eigen::Index>(i)];
   }
   EXPECT_NEAR(far / near, 2.6, 0.7);
-  EXPECT_NEAR(sd->cwiseAbs2().mean(), 1, 1e-9);
+  EXPECT_NEAR(sd.cwiseAbs2().mean(), 1, 1e-9);
 }
 
 TEST(NoiseThatIsTheSameEverywhere, IsHardlyEverWeighedRowByRow) {
-  int weighed = 0;
+  int weighed = 0, by_the_hour = 0;
   for (unsigned seed = 100; seed < 300; ++seed) {
     const Dataset data = one_axis(seed, 200, 20, [](double) { return 5.0; });
     const auto problem = lay_out(data, baseline_of("q1 ~ x + x^2", data), 4000);
@@ -240,7 +244,9 @@ TEST(NoiseThatIsTheSameEverywhere, IsHardlyEverWeighedRowByRow) {
     const Ground ground(problem->timeline, {{0, 1}}, problem->learned(problem->base_columns),
                         series);
     weighed += spread_over_places(*problem, ground) ? 1 : 0;
+    by_the_hour += spread_over_time(*problem, ground) ? 1 : 0;
   }
+  EXPECT_LE(by_the_hour, 3);
   EXPECT_LE(weighed, 3);  // of 200; 1 in 1000 is meant, and 4 of 200 would be chance in 1 of 1e4
 }
 
@@ -276,6 +282,80 @@ TEST(AJump, InALineThatIsHeldOutLiesWhereThatLineShowsIt) {
   EXPECT_GT(at_s, data.time_s[kJump - 1]);
   EXPECT_LT(at_s, data.time_s[kJump]);
   EXPECT_LT(*found.outputs[0].a90_validation_after, 1.645 * 5 * 1.2);  // nm: the noise's
+}
+
+// Three outputs over 30 h: slow noise, and all of it quieter at night, down to a third.
+Dataset day_and_night(unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  Dataset data;
+  data.rows = 360;
+  for (const char* symbol : {"q1", "q2", "q3", "x", "y", "z"})
+    data.columns.push_back({{symbol, "mm"}, {}});
+  std::array<double, 3> slow{};
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double t_s = 300.0 * static_cast<double>(i);
+    data.time_s.push_back(t_s);
+    const double loud = 1 + 0.5 * std::sin(2 * std::numbers::pi * t_s / 86400 + 0.7);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double at = static_cast<double>(random() % 9) - 4, keep = std::exp(-300.0 / 6000);
+      slow[axis] = keep * slow[axis] + std::sqrt(0.3 * (1 - keep * keep)) * normal(random);
+      data.columns[axis].values.push_back(at);
+      data.columns[axis + 3].values.push_back(at * (1 + 2e-5) +
+                                              5e-6 * loud * (slow[axis] + normal(random)));
+    }
+  }
+  return data;
+}
+
+TEST(NoiseThatGoesWithTheHour, IsWeighedRowByRowAndNothingIsNamedForIt) {
+  const auto found = diagnosed(day_and_night(3), "q ~ poly(x, y, z, 1)");
+  EXPECT_THAT(names_in(found), testing::IsEmpty());
+  EXPECT_EQ(found.verdict, Verdict::adequate);
+  EXPECT_THAT(found.warnings,
+              testing::Contains(testing::HasSubstr("the noise goes with the hour")));
+}
+
+TEST(NoiseThatGoesWithTheHour, IsReadOffTheSquaresOfWhatIsLeft) {
+  const Dataset data = day_and_night(4);
+  const auto problem = *lay_out(data, baseline_of("q ~ poly(x, y, z, 1)", data), 4000);
+  Eigen::MatrixXd series(problem.timeline.rows(), 3);
+  for (Eigen::Index o = 0; o < 3; ++o)
+    series.col(o) = problem.learned(problem.outputs[static_cast<std::size_t>(o)].measured);
+  const Ground ground(problem.timeline, noise_grid(problem.timeline),
+                      problem.learned(problem.base_columns), series);
+  const auto spread = spread_over_time(problem, ground);
+  ASSERT_TRUE(spread.has_value());
+  EXPECT_FALSE(spread_over_places(problem, ground).has_value());
+  double squares = 0;
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double loud = 1 + 0.5 * std::sin(2 * std::numbers::pi * data.time_s[i] / 86400 + 0.7);
+    squares += std::pow(std::log(spread->sd[static_cast<Eigen::Index>(i)] / loud), 2);
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(data.rows)), 0.2);  // of 0.4 in the logarithm
+  EXPECT_GT(spread->gain, 30);
+}
+
+// A thermometer by a door: its readings change by degrees of freedom that normal ones have not.
+TEST(AJumpOfOneThermometer, ThatIsNoLargerThanItsOtherChangesHasNoName) {
+  std::mt19937_64 random(12);
+  std::student_t_distribution<double> student(2);
+  std::vector<double> restless(400);
+  for (double& change : restless) change = student(random);
+  const StudentLaw law = student_law(restless, 0);
+  EXPECT_LE(law.freedom, 3);
+  // One of 400 changes as large as 12 usual ones is nothing; under the normal law it never comes.
+  EXPECT_GT(chance_of_as_many(law.beyond(12 * robust_sd(restless)), 1, 400), 0.05);
+  std::normal_distribution<double> normal;
+  for (double& change : restless) change = normal(random);
+  EXPECT_LT(chance_of_as_many(student_law(restless, 0).beyond(12), 1, 400), 1e-3);
+}
+
+TEST(AJumpOfOneThermometer, HasAChanceThatIsNotPrintedAsZero) {
+  const auto found = of_a_jump(0);
+  ASSERT_EQ(found.findings.size(), 1U);
+  EXPECT_GT(found.findings[0].p_adjusted, 0);
+  EXPECT_LT(found.findings[0].p_adjusted, 1e-6);
 }
 
 }  // namespace
