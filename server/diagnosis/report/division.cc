@@ -195,7 +195,7 @@ std::vector<Division> divisions_of(const Problem& problem, const std::vector<Cau
     one.robot_rms = rms_of(learned(Eigen::all, robot), b(robot));
     one.instrument_rms = rms_of(learned(Eigen::all, instruments), b(instruments));
     one.u90 = sd * u90_of(learned(Eigen::all, instruments), posterior.covariance(instruments));
-    // The second run beside the first one, with a zero of its own.
+    // The second run joined to the first one, with a zero of its own.
     Eigen::MatrixXd second(again.rows(), again.cols() + 1);
     second << again, Eigen::VectorXd::Ones(again.rows());
     whitener.apply(second);
