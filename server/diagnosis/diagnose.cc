@@ -16,6 +16,7 @@
 #include "server/diagnosis/growth/left_over.h"
 #include "server/diagnosis/growth/omnibus.h"
 #include "server/diagnosis/noise/two_sides.h"
+#include "server/diagnosis/report/division.h"
 #include "server/diagnosis/report/heading.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
@@ -447,6 +448,8 @@ class Diagnoser {
                                  ", which chance imitates too often to be named (adjusted p " +
                                  p_text + ")");
     }
+    for (const auto& division : divisions_of(problem_, causes_, extension))
+      result_.warnings.push_back(sentence(division));
     result_.judged_on = problem_.judged_by_validation ? JudgedRows::validation : JudgedRows::blocks;
     for (auto& mean :
          means_beyond_noise(problem_, result_.outputs, extension.all().columns, options_.alpha))
