@@ -73,7 +73,8 @@ void IndentReport::report(const indentation::ProcedureRecord& record, const std:
 }
 
 std::int64_t indentation_of_key(const Connection& connection, const std::string& key) {
-  for (const auto& one : listed(connection).indentations())
+  const auto answer = listed(connection);
+  for (const auto& one : answer.indentations())
     if (one.key() == key) return one.id();
   throw Failure{ExitCode::refused, "not_found", reasons::kNoSuchRecord,
                 "the daemon at " + connection.address() + " has no indentation of this record"};
