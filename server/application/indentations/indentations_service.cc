@@ -134,7 +134,8 @@ Awaitable<Result<IndentationView>> IndentationsService::begin(Caller caller, std
   fresh.created = fresh.reported = clock_.now().utc;
   fresh.created_by = caller.name;
   fresh.created_from = caller.peer;
-  DRIFTWISE_CO_TRY(auto view, co_await run_on(texts_, judged, fresh, IndentationRecord{}));
+  const IndentationRecord none;
+  DRIFTWISE_CO_TRY(auto view, co_await run_on(texts_, judged, fresh, none));
   auto adding = writer_.indentations().add_indentation(fresh);
   DRIFTWISE_CO_TRY(auto stored, co_await std::move(adding));
   if (stored.created != fresh.created || stored.record_json != fresh.record_json)
