@@ -110,10 +110,12 @@ HttpResponse send(const fs::path& file, const std::string& name, const HttpReque
 
 bool is_view_address(std::string_view path) {
   // Those of clients/web/src/app/views.ts, and the log-in: a view that is opened by its address.
-  static constexpr std::array<std::string_view, 16> kViews = {
-      "",         "log-in", "now",    "instruments", "manual",    "commissioning", "trajectories",
-      "runs",     "queue",  "models", "plans",       "procedure", "diagnosis",     "targets",
-      "lookback", "record"};
+  static constexpr std::array<std::string_view, 17> kViews = {
+      "",           "log-in",        "now",          "instruments",
+      "manual",     "commissioning", "trajectories", "runs",
+      "queue",      "models",        "plans",        "procedure",
+      "diagnosis",  "targets",       "lookback",     "record",
+      "indentation"};
   if (!path.starts_with('/')) return false;
   const std::string_view first = path.substr(1, path.find('/', 1) - 1);
   return std::find(kViews.begin(), kViews.end(), first) != kViews.end() &&
