@@ -138,7 +138,9 @@ Awaitable<Result<IndentationView>> IndentationsService::begin(Caller caller, std
   DRIFTWISE_CO_TRY(auto view, co_await run_on(texts_, judged, fresh, none));
   auto adding = writer_.indentations().add_indentation(fresh);
   DRIFTWISE_CO_TRY(auto stored, co_await std::move(adding));
-  if (stored.created != fresh.created || stored.record_json != fresh.record_json)
+  // Another one than the fresh record: the key is known, and this continues its indentation.
+  if (stored.created != fresh.created || stored.record_json != fresh.record_json ||
+      !stored.ended.empty())
     co_return co_await replace(std::move(caller), std::move(stored), std::move(fresh.file_text),
                                std::move(fresh.record_json), {});
   view.record = std::move(stored);
