@@ -16,8 +16,7 @@ constexpr double kClip = 9;      // of a square, in units of its usual size
 constexpr double kMostLn = 1.2;  // of the variance, on either side of its middle: sd 1 to 3.3
 constexpr Eigen::Index kRowsPerColumn = 15;
 constexpr int kSteps = 12;
-constexpr double kNotNew =
-    0.05;  // of a column's length: places that shift a little are the same
+constexpr double kNotNew = 0.05;  // of a column's length: places that shift a little are the same
 constexpr double kDay_s = 86400, kPartOfADay = 0.5;
 
 // Every dataset row: 1, then u of each pose coordinate that varies (-1 to 1), then its squares.
