@@ -39,7 +39,8 @@ TEST(Indentation, LeavesACraterThatGrowsWithThePress) {
   robots.pass(30);
   ASSERT_EQ(robots.plant().craters().size(), 1U);
   const auto first = robots.plant().craters().front();
-  (void)robots.move_below(0, 0, touched.height_mm + 0.001);
+  // A contact is found at the step that touches, hence five steps and not four.
+  (void)robots.move_below(0, 0, touched.height_mm + 0.00125);
   robots.pass(30);
   const auto pressed = robots.plant().craters().front();
   EXPECT_GT(pressed.depth_nm, first.depth_nm + 500);
@@ -48,10 +49,13 @@ TEST(Indentation, LeavesACraterThatGrowsWithThePress) {
   EXPECT_GT(d_um, 5);
   EXPECT_LT(d_um, 12);
   // Without contact the robot comes back to where it holds, and the crater keeps its depth.
+  // Held by friction, the robot below wanders by some nm before it leaves.
   (void)robots.move_below(0, 0, 1.5);
+  const auto left = robots.plant().craters().front();
+  EXPECT_NEAR(left.depth_nm, pressed.depth_nm, 50);
   robots.pass(120);
   EXPECT_NEAR(robots.plant().contact(0).push_nm, 0, 40);
-  EXPECT_NEAR(robots.plant().craters().front().depth_nm, pressed.depth_nm, 5);
+  EXPECT_EQ(robots.plant().craters().front().depth_nm, left.depth_nm);
 }
 
 }  // namespace
