@@ -54,6 +54,7 @@ KINDS = {
     38: (["closure_id"], ["closure", "closure_coordinate"]),
     39: (["point_id"], ["repeated_point"]),
     40: (["rest_id"], ["rest"]),
+    41: (["indentation_id"], ["indentation"]),
 }
 
 

@@ -279,7 +279,7 @@ def record(cell):
     code, said = cell.verify("--head", head)
     check(code == 1, "entries and rows that were dropped at the end are found")
     shutil.copy(path + ".before", path)
-    later = ("repeated_point", "closure_coordinate", "closure", "rest", "time_note", "plan_promotion", "plan_model", "plan", "telling", "receiver", "alarm_shelf", "queue_run", "queue_result", "queue_hold", "queue_entry", "run_metadata",
+    later = ("indentation", "repeated_point", "closure_coordinate", "closure", "rest", "time_note", "plan_promotion", "plan_model", "plan", "telling", "receiver", "alarm_shelf", "queue_run", "queue_result", "queue_hold", "queue_entry", "run_metadata",
              "thinned_value", "thinning", "chain", "audit")  # tables that version 6 did not have
     cell.sql("DROP TRIGGER point_once; " + "".join(f"DROP TABLE {table}; " for table in later) + "PRAGMA user_version = 6")
     cell.start()
