@@ -27,7 +27,7 @@ namespace driftwise::keithley {
 
 enum class ScanFunction { four_wire_ohms, dc_volts };
 
-// What one device of the cell file scans.
+// Channels that one device of the cell file scans.
 struct ScanList {
   std::string device;  // id in the cell file
   ScanFunction function = ScanFunction::four_wire_ohms;

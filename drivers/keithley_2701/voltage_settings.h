@@ -1,5 +1,5 @@
 #pragma once
-// What a [[device]] of kind keithley-2701 measures: thermometers, or sensors whose output is a
+// Kinds of a [[device]] of kind keithley-2701: thermometers, or sensors whose output is a
 // voltage. Keys: docs/devices/analogue.md.
 
 #include <vector>

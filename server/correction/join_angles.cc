@@ -165,7 +165,7 @@ class Estimate {
       : parts_(parts), rows_(rows), rules_(rules), sources_(sources_of_angles(parts)) {
     for (std::size_t angle = 0; angle < 3; ++angle)
       if (!sources_[angle].empty()) angles_.push_back(angle);
-    // Where returns are subtracted already, there is no drift left to see.
+    // Subtracted returns leave no drift.
     if (rules.subtract_returns) {
       steady_ = parts;
       return;

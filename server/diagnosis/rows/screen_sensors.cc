@@ -27,7 +27,7 @@ double of_both(double a, double b) {
   return product > 0 ? std::min(1.0, product * (1 - std::log(product))) : 0;
 }
 
-// What the outputs say for the mended readings: a ratio of likelihoods has the mean 1 where the
+// Evidence of the outputs for mended readings: a ratio of likelihoods has the mean 1 where the
 // readings are right, so that it is as large with a chance of 1 over itself at most.
 double by_outputs(double gain) { return std::exp(-std::max(gain, 0.0) / 2); }
 

@@ -40,7 +40,7 @@ class TextWriter {
   // As std::to_chars(fixed) does it: the exact value rounded, half to even. decimals: 1 to 4.
   TextWriter& fixed(double value, int decimals);
 
-  // What was written stands in the string afterwards.
+  // The string holds the text afterwards.
   void flush() {
     out_.append(buffer_.data(), at_);
     at_ = buffer_.data();
