@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <random>
 
@@ -425,6 +426,7 @@ std::array<Figures, 4> figures_of(std::uint64_t seed) {
 // the stated expanded uncertainty.
 struct Coverage {
   std::array<statistics::CoverageCount, 6> count;
+  statistics::CoverageCount pooled;                           // over the six
   std::array<double, 6> error_nm{}, stated_nm{}, added_nm{};  // sums of squares
   std::map<std::string, std::array<double, 6>> lines_nm;      // likewise, by name
   int targets = 0;
@@ -452,6 +454,7 @@ struct Coverage {
       ++targets;
     }
     for (std::size_t i = 0; i < 6; ++i) count[i].add_campaign(hits[i], kPoses);
+    pooled.add_campaign(std::accumulate(hits.begin(), hits.end(), std::int64_t{0}), 6 * kPoses);
   }
 
   // Motor coordinates at which the tool would have followed the work-piece's sideways motion, and
@@ -480,6 +483,8 @@ struct Coverage {
                   100 * count[i].rate(), 100 * interval.low, 100 * interval.high,
                   std::sqrt(error_nm[i] / targets), std::sqrt(stated_nm[i] / targets));
     }
+    std::printf("%-8s %8.1f %% %12.1f to %.1f %%\n", "all", 100 * pooled.rate(),
+                100 * pooled.clustered().low, 100 * pooled.clustered().high);
     std::printf("budget, rms over the targets, nm:\n");
     for (std::size_t i = 0; i < 6; ++i) {
       std::printf("  %s:", kMotors[i]);
