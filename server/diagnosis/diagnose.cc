@@ -16,6 +16,7 @@
 #include "server/diagnosis/growth/left_over.h"
 #include "server/diagnosis/growth/omnibus.h"
 #include "server/diagnosis/noise/two_sides.h"
+#include "server/diagnosis/report/as_read.h"
 #include "server/diagnosis/report/division.h"
 #include "server/diagnosis/report/heading.h"
 #include "server/diagnosis/report/report.h"
@@ -64,8 +65,14 @@ class Progress {
 
 class Diagnoser {
  public:
-  Diagnoser(const Dataset& dataset, Problem problem, const DiagnoseOptions& options)
-      : dataset_(dataset), problem_(std::move(problem)), options_(options), progress_(options) {}
+  // readings: what the problem was laid out from.
+  Diagnoser(const Dataset& dataset, const Dataset& readings, Problem problem,
+            const DiagnoseOptions& options)
+      : dataset_(dataset),
+        readings_(readings),
+        problem_(std::move(problem)),
+        options_(options),
+        progress_(options) {}
 
   Result<Diagnosis> run(std::vector<FaultySensor> sensors) {
     result_.baseline_formula = options_.baseline.formula;
@@ -450,6 +457,8 @@ class Diagnoser {
     }
     for (const auto& division : divisions_of(problem_, causes_, extension))
       result_.warnings.push_back(sentence(division));
+    for (auto& said : worse_as_read(problem_, readings_))
+      result_.warnings.push_back(std::move(said));
     result_.judged_on = problem_.judged_by_validation ? JudgedRows::validation : JudgedRows::blocks;
     for (auto& mean :
          means_beyond_noise(problem_, result_.outputs, extension.all().columns, options_.alpha))
@@ -470,6 +479,7 @@ class Diagnoser {
   }
 
   const Dataset& dataset_;
+  const Dataset& readings_;
   Problem problem_;
   const DiagnoseOptions& options_;
   Progress progress_;
@@ -555,7 +565,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
       problem.outputs[o].measured -=
           summary_unit(dataset.find(problem.outputs[o].channel.symbol)->channel.unit).factor *
           options.simulated.col(static_cast<Eigen::Index>(o));
-  auto found = Diagnoser(dataset, std::move(problem), asked).run(std::move(sensors));
+  auto found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
   if (found)
     for (auto& finding : found->findings)
       for (auto& output : finding.outputs)

@@ -220,7 +220,11 @@ Result<bool> Extension::add(const Look& look) {
   for (const auto& one : named_)
     if (has_values(causes_[one.cause])) present.push_back(one.cause);
   const auto best = contenders(look, here, present);
-  if (best.empty()) return cancelled();
+  if (best.empty()) {
+    if (tick_ && !tick_()) return cancelled();
+    ruled_out_[*look.first] = 1;  // less unlikely than chance makes it, and yet no gain
+    return false;
+  }
   if (!best.front().nameable) {
     for (const auto& candidate : best) ruled_out_[candidate.cause] = 1;
     return false;

@@ -106,6 +106,15 @@ TEST(Division, SaysWhatTheDataDoNotDivideAndWhichRunWould) {
   EXPECT_LT(nm_before(said, "$"), 0.5 * nm_before(said, " only")) << said;
 }
 
+// The run that was offered, measured: the division is then known as was foretold.
+TEST(Division, IsKnownAsForetoldOnceTheOtherStartWasMeasured) {
+  const double foretold_nm = nm_before(division_of(divided_campaigns({{}})), "$");
+  const std::string said = division_of(divided_campaigns({{}, {.robot_start_k = 1, .seed = 12}}));
+  const double known_nm = nm_before(said, said.find("only") == std::string::npos ? "$" : " only");
+  // Rms over other rows, and the standard deviation of the noise from twice as many.
+  EXPECT_NEAR(known_nm / foretold_nm, 1, 0.35) << said;
+}
+
 TEST(Division, IsSilentWhereNoThermometerIsOnAnInstrument) {
   Dataset data = divided_campaigns({{}});
   data.metadata.clear();
