@@ -1,6 +1,7 @@
 // Temperatures and force.
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/core/data/reading.h"
 #include "server/diagnosis/catalogue/catalogue_builder.h"
@@ -13,7 +14,7 @@ using effects::AppliesTo;
 using effects::Term;
 
 // A rate is a lag in the limit of a short time constant, and what follows one takes a minute or
-// two.
+// two; over one step it is the derivative at the row (rows/prepared.h).
 constexpr double kRateSteps = 2, kLongestRateSteps = 8, kLongestRate_s = 120;
 constexpr double kShortestLagSteps = 4;
 
@@ -61,6 +62,8 @@ void add_temperatures(CatalogueBuilder& builder) {
         });
     builder.take_cause(std::move(lag));
     Cause rate = of_robot("thermal_rate", t, LinearParameter::nm_per_k_per_h);
+    const double step_s = std::max(std::round(builder.step_s()), 1.0);
+    builder.add_terms(rate, {call_term("rate", {t}, {{step_s, "s"}})}, kMissing);
     const double longest_s = std::max(kLongestRateSteps * builder.step_s(), kLongestRate_s);
     for (double over_s = std::max(kRateSteps * builder.step_s(), 1.0); over_s <= longest_s;
          over_s *= 2)

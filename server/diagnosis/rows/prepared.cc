@@ -1,6 +1,9 @@
 #include "server/diagnosis/rows/prepared.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 
 #include "server/calibration/design/predict.h"
 #include "server/diagnosis/rows/places.h"
@@ -23,6 +26,62 @@ bool observes_path(const effects::Term& term) {
   });
 }
 
+// A rate over at most this many typical steps of the rows is the derivative at the row.
+constexpr double kDerivativeSteps = 1.5;
+
+// The temperature whose derivative the term is.
+std::optional<std::string> derivative_of(const effects::Term& term, double step_s) {
+  if (term.factors.size() != 1) return {};
+  const auto* call = std::get_if<effects::Call>(&term.factors.front());
+  if (call == nullptr || call->effect != "rate" ||
+      !(call->parameters.front().value <= kDerivativeSteps * step_s))
+    return {};
+  return call->symbols.front();
+}
+
+double typical_step_s(const std::vector<double>& clock) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < clock.size(); ++i)
+    if (clock[i] > clock[i - 1]) steps.push_back(clock[i] - clock[i - 1]);
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::ranges::nth_element(steps, middle);
+  return *middle;
+}
+
+// Per hour, of the parabola through a row and the rows next to it that have a value; of the line
+// where there is one on one side only.
+Eigen::VectorXd derivative_per_h(const std::vector<double>& time_s,
+                                 std::span<const double> values) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kSecondsPerHour = 3600;
+  const auto slope = [&](std::size_t from, std::size_t to) {
+    return (values[to] - values[from]) / (time_s[to] - time_s[from]);
+  };
+  Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::size_t before = i, after = i;
+    while (before > 0 && !(std::isfinite(values[before]) && time_s[before] < time_s[i])) --before;
+    while (after + 1 < values.size() &&
+           !(std::isfinite(values[after]) && time_s[after] > time_s[i]))
+      ++after;
+    const bool has_before = std::isfinite(values[before]) && time_s[before] < time_s[i];
+    const bool has_after = std::isfinite(values[after]) && time_s[after] > time_s[i];
+    double per_s = kNone;
+    if (!std::isfinite(values[i]))
+      per_s = kNone;
+    else if (has_before && has_after) {
+      const double back_s = time_s[i] - time_s[before], ahead_s = time_s[after] - time_s[i];
+      per_s = (ahead_s * slope(before, i) + back_s * slope(i, after)) / (back_s + ahead_s);
+    } else if (has_before)
+      per_s = slope(before, i);
+    else if (has_after)
+      per_s = slope(i, after);
+    result[static_cast<Eigen::Index>(i)] = kSecondsPerHour * per_s;
+  }
+  return result;
+}
+
 }  // namespace
 
 Prepared Prepared::of(const Dataset& dataset) {
@@ -38,6 +97,7 @@ Prepared Prepared::of(const Dataset& dataset) {
   std::size_t next = 0;
   for (auto& column : prepared.data_.columns)
     if (is_structure_temperature(column.channel)) column.values = std::move(thermometers[next++]);
+  prepared.step_s_ = typical_step_s(clock);
   prepared.clocked_ = prepared.data_;
   prepared.clocked_.time_s = clock;
   prepared.at_places_ = prepared.clocked_;
@@ -70,11 +130,15 @@ Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& term
   };
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(data_.rows),
                           static_cast<Eigen::Index>(terms.size()));
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    if (const auto symbol = derivative_of(terms[k], step_s_))
+      columns.col(static_cast<Eigen::Index>(k)) =
+          derivative_per_h(clocked_.time_s, clocked_.values_of(*symbol));
   for (const Dataset* source : {&clocked_, &at_places_, &on_path_}) {
     std::vector<effects::Term> some;
     std::vector<Eigen::Index> places;
     for (std::size_t k = 0; k < terms.size(); ++k) {
-      if (from(terms[k]) != source) continue;
+      if (from(terms[k]) != source || derivative_of(terms[k], step_s_)) continue;
       some.push_back(terms[k]);
       places.push_back(static_cast<Eigen::Index>(k));
     }

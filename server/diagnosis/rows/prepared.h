@@ -32,13 +32,16 @@ class Prepared {
 
   const Dataset& data() const { return data_; }
   // Every row's value of every term. Untimed data count their rows: whoever asks knows which terms
-  // may be asked.
+  // may be asked. A rate(T, tau s) over no more than a step and a half of the rows is the
+  // derivative at the row: the filter of the formula takes noise out and is late by tau for it, and
+  // the temperatures here are smooth already.
   Result<Eigen::MatrixXd> columns(const std::vector<effects::Term>& terms) const;
   // What a wave's phase goes with: an axis or motor in mm at its places; "" for the clock in s.
   std::span<const double> phase_values(const std::string& symbol) const;
 
  private:
   Dataset data_, clocked_, at_places_, on_path_;
+  double step_s_ = 0;  // typical, between rows
 };
 
 }  // namespace driftwise::diagnosis
