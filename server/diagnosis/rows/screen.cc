@@ -22,6 +22,7 @@ constexpr std::size_t kBeside = 3;   // rows to either side in position
 constexpr double kOwn = 0.5;         // of a wrong row, beyond what those beside it share
 constexpr double kSurelyGross = 0.9;  // posterior
 constexpr double kNoiseChangeGain = 30;
+constexpr double kMostSquare = 9;  // of a square, in units of its usual size
 constexpr Eigen::Index kFewestEachSide = 25;
 
 // The spread of the values, and nowhere less than that of those nearby: gusts are no wrong rows.
@@ -286,28 +287,54 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
   return found;
 }
 
+namespace {
+
+// Each in its own units of robust standard deviations, and back.
+Eigen::VectorXd clipped_squares(const Eigen::VectorXd& left) {
+  const double sd = robust_sd({left.data(), left.data() + left.size()});
+  if (!(sd > 0)) return left.cwiseAbs2();
+  return sd * sd * (left / sd).cwiseAbs2().cwiseMin(kMostSquare);
+}
+
+// 2 ln L of two spreads over one: numbers of squares and their sums.
+double sides_gain(Eigen::Index n1, double sum1, Eigen::Index n2, double sum2) {
+  const auto a = static_cast<double>(n1), b = static_cast<double>(n2);
+  return (a + b) * std::log((sum1 + sum2) / (a + b)) - a * std::log(sum1 / a) -
+         b * std::log(sum2 / b);
+}
+
+}  // namespace
+
 std::vector<NoiseChange> noise_changes(const Ground& ground) {
   std::vector<NoiseChange> found;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
     const Eigen::VectorXd left =
         ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
     const Eigen::Index n = left.size();
-    // the fourth moment of what is left says how far its squares spread: 3 where it is normal
-    const double mean_square = left.squaredNorm() / static_cast<double>(n);
-    const double kurtosis = left.array().pow(4).mean() / (mean_square * mean_square);
-    const double spread = std::max((kurtosis - 1) / 2, 1.0);
-    NoiseChange best{static_cast<std::size_t>(o), 0, 1, 0};
-    double before = 0;
+    const double sd = robust_sd({left.data(), left.data() + left.size()});
+    if (!(sd > 0)) continue;
+    // A heavy tail is no change: squares are clipped, by the common spread to find the instant and
+    // by either side's own to weigh it.
+    const Eigen::VectorXd clipped = (left / sd).cwiseAbs2().cwiseMin(kMostSquare);
+    Eigen::Index at = 0;
+    double before = 0, most = 0;
     for (Eigen::Index k = 1; k + kFewestEachSide <= n; ++k) {
-      before += left[k - 1] * left[k - 1];
+      before += clipped[k - 1];
       if (k < kFewestEachSide) continue;
-      const auto n1 = static_cast<double>(k), n2 = static_cast<double>(n - k);
-      const double v1 = before / n1, v2 = (left.squaredNorm() - before) / n2;
-      const double gain =
-          (static_cast<double>(n) * std::log(mean_square) - n1 * std::log(v1) - n2 * std::log(v2)) /
-          spread;
-      if (gain > best.gain) best = {static_cast<std::size_t>(o), k, std::sqrt(v2 / v1), gain};
+      const double gain = sides_gain(k, before, n - k, clipped.sum() - before);
+      if (gain > most) most = gain, at = k;
     }
+    if (at == 0) continue;
+    const Eigen::VectorXd first = clipped_squares(left.head(at)),
+                          second = clipped_squares(left.tail(n - at));
+    const double v1 = first.mean(), v2 = second.mean();
+    // How far squares scatter about either side's own spread: 2 where the sides are normal. About
+    // the common spread two sides would count as tails.
+    const double scatter =
+        ((first / v1).array() - 1).square().sum() + ((second / v2).array() - 1).square().sum();
+    const NoiseChange best{static_cast<std::size_t>(o), at, std::sqrt(v2 / v1),
+                           sides_gain(at, first.sum(), n - at, second.sum()) /
+                               std::max(scatter / static_cast<double>(n) / 2, 1.0)};
     if (best.gain > kNoiseChangeGain) found.push_back(best);
   }
   return found;

@@ -125,6 +125,45 @@ TEST(TwoThermometers, ThatJumpTogetherAreNotBroken) {
     EXPECT_THAT(name, testing::Not(testing::HasSubstr("sensor_fault")));
 }
 
+// The robot bends with how fast its part warms; a thermometer of 1 mK reads the part every 20 s
+// through a room that goes up and down in 25 min.
+TEST(ARobotThatBendsWhileItWarms, IsToldWithinACycleOfTheRoom) {
+  std::mt19937_64 random(21);
+  Dataset data;
+  data.rows = 240;
+  data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}, {{"t01", "degC"}, {}}};
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double t_s = 20.0 * static_cast<double>(i), turn = 2 * std::numbers::pi / 1500;
+    const double part = 21 + 0.15 * std::sin(turn * t_s) + 0.1 * std::sin(0.31 * turn * t_s + 1);
+    const double per_h =
+        3600 * turn * (0.15 * std::cos(turn * t_s) + 0.031 * std::cos(0.31 * turn * t_s + 1));
+    const double at = static_cast<double>(random() % 31) * 0.2 - 3;
+    data.time_s.push_back(t_s);
+    data.columns[0].values.push_back(at);
+    data.columns[1].values.push_back(at +
+                                     1e-6 * (60 * (part - 21) + 2 * per_h + 5 * noise(random)));
+    data.columns[2].values.push_back(part + 0.001 * noise(random));
+  }
+  EXPECT_THAT(names_in(diagnosed(data, "q1 ~ x + x^2 + T")),
+              testing::ElementsAre("thermal_rate t01"));
+}
+
+// From row 120 of 300 on the noise is 2.6 times as large: a curve over the hour fits nearly as
+// well, and is not what happened.
+TEST(ASpreadThatChangesAtOnce, IsNoSpreadThatGoesWithTheHour) {
+  std::mt19937_64 random(22);
+  Dataset data;
+  data.rows = 300;
+  data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}};
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double at = static_cast<double>(random() % 31) * 0.2 - 3;
+    data.time_s.push_back(25.0 * static_cast<double>(i));
+    data.columns[0].values.push_back(at);
+    data.columns[1].values.push_back(at + 1e-6 * (i < 120 ? 5 : 13) * noise(random));
+  }
+  EXPECT_THAT(names_in(diagnosed(data, "q1 ~ x + x^2")), testing::ElementsAre("noise_change q1"));
+}
+
 // Three axes over drawn places; five rows of the second are wrong by `size` standard deviations.
 Dataset three_axes(unsigned seed, bool heavy, double size) {
   std::mt19937_64 random(seed);
