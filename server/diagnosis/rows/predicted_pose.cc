@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kDegreeOfOne = 5, kDegree = 3;
 constexpr Eigen::Index kRowsPerColumn = 5;
+constexpr std::size_t kFewestToRepeat = 4;
 constexpr double kFewOf = 0.5;       // different values over rows
 constexpr double kOnLattice = 1e-9;  // of the range
 constexpr double kMostSites = 1e5;   // of a lattice that says something
@@ -59,7 +60,7 @@ bool repeats_exactly(const std::vector<double>& values) {
   std::vector<double> sorted;
   for (const double value : values)
     if (std::isfinite(value)) sorted.push_back(value);
-  if (sorted.size() < 4) return false;
+  if (sorted.size() < kFewestToRepeat) return false;
   std::ranges::sort(sorted);
   const std::size_t rows = sorted.size();
   const double range = sorted.back() - sorted.front();
@@ -68,6 +69,16 @@ bool repeats_exactly(const std::vector<double>& values) {
   // Each place once, but all of them on one lattice.
   const double spacing = lattice_spacing(sorted, kOnLattice * range);
   return spacing > 0 && range < kMostSites * spacing;
+}
+
+bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values) {
+  if (dataset.datum.empty()) return repeats_exactly(values);
+  std::map<std::int64_t, std::vector<double>> of_datum;
+  for (std::size_t row = 0; row < values.size(); ++row)
+    if (std::isfinite(values[row])) of_datum[dataset.datum[row]].push_back(values[row]);
+  std::erase_if(of_datum, [](const auto& one) { return one.second.size() < kFewestToRepeat; });
+  return !of_datum.empty() &&
+         std::ranges::all_of(of_datum, [](const auto& one) { return repeats_exactly(one.second); });
 }
 
 std::optional<std::vector<double>> predicted_coordinate(const Dataset& dataset,

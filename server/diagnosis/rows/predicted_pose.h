@@ -14,6 +14,9 @@ namespace driftwise::diagnosis {
 // Which of the two readings of a position repeats itself exactly, so that it has no noise of its
 // own: a plan that was computed, not measured.
 bool repeats_exactly(const std::vector<double>& values);
+// The same within each datum that has enough rows: rows of further datums are moved to the first
+// one's frame, and a plan that was computed then repeats within a datum only.
+bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values);
 
 // A pose coordinate from the motors by a polynomial and, linearly, the temperatures, forces, air
 // and time of the row, fitted to all rows. Nothing where no motor varies or too few rows are

@@ -193,9 +193,9 @@ bool predict_coordinates(Problem& problem) {
   bool motors_repeat = true, pose_repeats = false;
   for (const auto& column : data.columns) {
     if (is_motor_symbol(column.channel.symbol))
-      motors_repeat = motors_repeat && repeats_exactly(column.values);
+      motors_repeat = motors_repeat && repeats_exactly(data, column.values);
     if (is_coordinate(problem, column.channel))
-      pose_repeats = pose_repeats || repeats_exactly(column.values);
+      pose_repeats = pose_repeats || repeats_exactly(data, column.values);
   }
   if (motors_repeat || !pose_repeats) {
     bool any = false;
