@@ -23,6 +23,7 @@
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/rows/held_out_gain.h"
+#include "server/diagnosis/rows/missing_values.h"
 #include "server/diagnosis/rows/screen.h"
 #include "server/diagnosis/rows/spread_over_places.h"
 #include "server/diagnosis/search/column_bank.h"
@@ -538,7 +539,8 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     return found;
   }
   if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
-  Dataset mended = in_catalogue_units(dataset);
+  auto whole = without_gaps(in_catalogue_units(dataset), options.baseline.outputs);
+  Dataset mended = std::move(whole.data);
   auto sensors = mend_sensors(mended, options.baseline.outputs.size(), options.alpha,
                               [&](const Dataset& data) {
                                 const auto laid = lay_out(data, options.baseline, kMostBlocks);
@@ -548,6 +550,8 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   std::vector<std::string> dead;
   asked.baseline = without_dead_sensors(options.baseline, dataset, sensors, dead);
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), dead.begin(), dead.end());
+  asked.exclude_symbols.insert(asked.exclude_symbols.end(), whole.unread.begin(),
+                               whole.unread.end());
   if (options.simulated.size() == 0 && several_datums(mended)) {
     // As a fit has further datums (docs/decisions/0005): a constant alone would leave a slope where
     // the geometry is curved, and some cause would be found for it.
@@ -566,11 +570,16 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
           summary_unit(dataset.find(problem.outputs[o].channel.symbol)->channel.unit).factor *
           options.simulated.col(static_cast<Eigen::Index>(o));
   auto found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
-  if (found)
-    for (auto& finding : found->findings)
-      for (auto& output : finding.outputs)
-        for (std::size_t k = 0; k < output.coefficients.size() && k < finding.terms.size(); ++k)
-          output.coefficients[k] *= coefficient_factor(dataset, finding.terms[k], output.output);
+  if (!found) return found;
+  if (!dataset.set.empty() && std::ranges::count(dataset.set, PointSet::calibration) == 0)
+    whole.sentences.push_back(
+        "every row is marked for validation: they are what the search learns from, and nothing "
+        "judges it that it has not seen");
+  found->warnings.insert(found->warnings.begin(), whole.sentences.begin(), whole.sentences.end());
+  for (auto& finding : found->findings)
+    for (auto& output : finding.outputs)
+      for (std::size_t k = 0; k < output.coefficients.size() && k < finding.terms.size(); ++k)
+        output.coefficients[k] *= coefficient_factor(dataset, finding.terms[k], output.output);
   return found;
 }
 

@@ -92,8 +92,11 @@ std::size_t places_of(const CatalogueBuilder& builder, const std::string& symbol
     coordinates.push_back(by_places({values.begin(), values.end()}));
   }
   std::set<std::vector<double>> places;
+  // Where every row is marked for validation they are what is learned from.
+  const bool any_learns =
+      data.set.empty() || std::ranges::count(data.set, PointSet::calibration) > 0;
   for (std::size_t row = 0; row < data.rows; ++row) {
-    if (data.set_of(row) != PointSet::calibration) continue;
+    if (any_learns && data.set_of(row) != PointSet::calibration) continue;
     std::vector<double> place;
     for (const auto& one : coordinates) place.push_back(one[row]);
     if (std::ranges::all_of(place, [](double v) { return std::isfinite(v); })) places.insert(place);

@@ -10,7 +10,7 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr std::array<double, 6> kWidths = {0.5, 1, 2, 4, 8, 16};  // typical steps
-constexpr double kReach = 3;               // standard deviations of the kernel
+constexpr double kKernelReach = 3;         // standard deviations of the kernel
 constexpr std::size_t kMostJudged = 4000;  // values that the choice of width looks at
 constexpr Eigen::Index kShapes = 3;        // that the thermometers have in common
 constexpr Eigen::Index kRowsPerShape = 10;
@@ -26,7 +26,7 @@ Local line_at(std::span<const double> time_s, std::span<const double> values,
   double s0 = 0, s1 = 0, s2 = 0, y0 = 0, y1 = 0;
   const auto add = [&](std::size_t i) {
     const double dt = time_s[present[i]] - t0;
-    if (std::abs(dt) > kReach * width_s) return false;
+    if (std::abs(dt) > kKernelReach * width_s) return false;
     const double w = std::exp(-0.5 * dt * dt / (width_s * width_s));
     const double y = values[present[i]] - values[present[at]];  // small numbers
     s0 += w, s1 += w * dt, s2 += w * dt * dt, y0 += w * y, y1 += w * dt * y;

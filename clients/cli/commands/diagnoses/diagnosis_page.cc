@@ -82,7 +82,11 @@ void print_finding(const Console& console, const v1::Finding& finding) {
   }
   if (finding.indistinguishable_from().empty()) return;
   console.out << "   cannot be told apart from:";
-  for (const auto& other : finding.indistinguishable_from()) console.out << ' ' << other << ';';
+  const char* between = " ";
+  for (const auto& other : finding.indistinguishable_from()) {
+    console.out << between << other;
+    between = "; ";
+  }
   console.out << '\n';
 }
 

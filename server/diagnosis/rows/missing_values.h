@@ -1,0 +1,26 @@
+#pragma once
+// Conditions that some rows have no value of. A scanner that answers every tenth row has a
+// temperature in between; a load cell that fell out for an hour has none, and a column's mean in
+// its place would be a reading of something else.
+
+#include <string>
+#include <vector>
+
+#include "server/core/data/dataset.h"
+
+namespace driftwise::diagnosis {
+
+struct WithoutGaps {
+  // Short gaps of temperatures and air are closed along straight lines in time; rows that still
+  // lack a condition are excluded where they are few.
+  Dataset data;
+  // Symbols that more rows lack than can be spared: nothing reads them.
+  std::vector<std::string> unread;
+  std::vector<std::string> sentences;  // of all three, for warnings
+};
+
+// outputs: symbols of the baseline's outputs; neither they nor poses and motors are conditions.
+// In the catalogue's units.
+WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& outputs);
+
+}  // namespace driftwise::diagnosis
