@@ -458,6 +458,8 @@ class Diagnoser {
     }
     for (const auto& division : divisions_of(problem_, causes_, extension))
       result_.warnings.push_back(sentence(division));
+    for (auto& said : thermal_causes_of_instruments(problem_, causes_, extension))
+      result_.warnings.push_back(std::move(said));
     for (auto& said : worse_as_read(problem_, readings_))
       result_.warnings.push_back(std::move(said));
     result_.judged_on = problem_.judged_by_validation ? JudgedRows::validation : JudgedRows::blocks;

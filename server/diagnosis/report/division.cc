@@ -40,6 +40,12 @@ bool is_temperature(const Dataset& data, const std::string& symbol) {
   return column != nullptr && is_structure_temperature(column->channel);
 }
 
+// A thermal cause of the robot by a thermometer that is on an instrument.
+bool is_of_an_instrument(const Parts& parts, const Cause& cause) {
+  return cause.applies_to == effects::AppliesTo::robot && cause.id.starts_with("thermal_") &&
+         part_of(parts, cause.subject) == kInstrumentPart;
+}
+
 std::vector<Column> columns_of(const Problem& problem, const std::vector<Cause>& causes,
                                const Extension& extension) {
   const Parts parts = parts_from(problem.data().metadata);
@@ -56,7 +62,8 @@ std::vector<Column> columns_of(const Problem& problem, const std::vector<Cause>&
   }
   for (const auto& one : extension.named()) {
     const Cause& cause = causes[one.cause];
-    const Side side = cause.applies_to == effects::AppliesTo::robot        ? Side::robot
+    const Side side = is_of_an_instrument(parts, cause)                    ? Side::instruments
+                      : cause.applies_to == effects::AppliesTo::robot      ? Side::robot
                       : cause.applies_to == effects::AppliesTo::correction ? Side::instruments
                                                                            : Side::rest;
     for (const auto& term : one.terms) columns.push_back({term, side, name_of(cause)});
@@ -233,6 +240,22 @@ std::string sentence(const Division& division) {
          ". The same points once more, with the structure begun 1 K warmer or colder than it was "
          "and the air as it was, would divide them to " +
          known;
+}
+
+std::vector<std::string> thermal_causes_of_instruments(const Problem& problem,
+                                                       const std::vector<Cause>& causes,
+                                                       const Extension& extension) {
+  const Parts parts = parts_from(problem.data().metadata);
+  std::vector<std::string> sentences;
+  for (const auto& one : extension.named()) {
+    const Cause& cause = causes[one.cause];
+    if (is_of_an_instrument(parts, cause))
+      sentences.push_back(name_of(cause) + ": " + cause.subject +
+                          " is on an instrument (its part in the data), so that what moves may be "
+                          "the instrument's reading. In the robot's model it would move the robot "
+                          "for an error of the instrument");
+  }
+  return sentences;
 }
 
 }  // namespace driftwise::diagnosis

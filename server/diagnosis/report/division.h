@@ -41,4 +41,10 @@ bool is_divided(const Division& division);
 // (refractive_index); they are told apart to 8 nm". Where they are not: the run that would.
 std::string sentence(const Division& division);
 
+// One sentence for each named thermal cause whose thermometer the data place on an instrument: the
+// catalogue knows such a cause of the robot only.
+std::vector<std::string> thermal_causes_of_instruments(const Problem& problem,
+                                                       const std::vector<Cause>& causes,
+                                                       const Extension& extension);
+
 }  // namespace driftwise::diagnosis

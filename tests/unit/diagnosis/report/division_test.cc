@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <regex>
@@ -113,6 +114,23 @@ TEST(Division, IsKnownAsForetoldOnceTheOtherStartWasMeasured) {
   const double known_nm = nm_before(said, said.find("only") == std::string::npos ? "$" : " only");
   // Rms over other rows, and the standard deviation of the noise from twice as many.
   EXPECT_NEAR(known_nm / foretold_nm, 1, 0.35) << said;
+}
+
+// The support of the laser warms as the room does; the baseline does not read its thermometer.
+TEST(Division, SaysThatANamedThermometerIsOnAnInstrument) {
+  const Dataset data = divided_campaigns({{.instrument_alike = false}});
+  DiagnoseOptions options;
+  options.baseline = *formats::Formula::parse("q1 ~ x + t01")->expand(data);
+  const auto found = diagnose(data, options);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->findings.size(), 1U);
+  EXPECT_EQ(found->findings[0].cause + " " + found->findings[0].subject, "thermal_offset t02");
+  EXPECT_EQ(std::ranges::count_if(found->warnings,
+                                  [](const std::string& warning) {
+                                    return warning.starts_with(
+                                        "thermal_offset t02: t02 is on an instrument");
+                                  }),
+            1);
 }
 
 TEST(Division, IsSilentWhereNoThermometerIsOnAnInstrument) {
