@@ -10,6 +10,7 @@
 #include "server/core/try.h"
 #include "server/diagnosis/answer/cancelled.h"
 #include "server/diagnosis/catalogue/cause.h"
+#include "server/diagnosis/data_faults.h"
 #include "server/diagnosis/growth/extension.h"
 #include "server/diagnosis/growth/held_out_gate.h"
 #include "server/diagnosis/growth/held_out_mean.h"
@@ -22,22 +23,17 @@
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/catalogue_units.h"
-#include "server/diagnosis/rows/held_out_gain.h"
 #include "server/diagnosis/rows/missing_values.h"
 #include "server/diagnosis/rows/screen.h"
-#include "server/diagnosis/rows/spread_over_places.h"
 #include "server/diagnosis/search/column_bank.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kMostBlocks = 4000;
 constexpr double kWorthTelling = 0.2;   // adjusted p of what is not named
 constexpr double kOmnibusLevel = 0.01;  // of "something is left" where nothing is
 constexpr double kShareLeft = 0.35;     // of what a finding is named for
-constexpr double kSmallestP = 1e-300;   // that is printed: 0 would be a rule, not a chance
-constexpr double kNoWeight = 1e4;       // spread of a wrong row over the others'
 
 // How far it is: each look for one more cause takes a part of what is left of the way.
 class Progress {
@@ -73,18 +69,19 @@ class Diagnoser {
         readings_(readings),
         problem_(std::move(problem)),
         options_(options),
-        progress_(options) {}
+        progress_(options),
+        faults_(dataset, options, problem_, result_) {}
 
   Result<Diagnosis> run(std::vector<FaultySensor> sensors) {
     result_.baseline_formula = options_.baseline.formula;
     if (!progress_.at(0.02, "looking at sensors and rows")) return cancelled();
-    add_sensor_findings(sensors);
+    faults_.note_sensors(sensors);
     for (const auto& term : problem_.undetermined)
       result_.warnings.push_back(
           effects::notation(term) +
           " of the baseline is left out: the rows that it learns from do not "
           "tell it apart from the terms before it");
-    leave_out_outliers();
+    faults_.leave_out_outliers();
     auto excluded = options_.exclude_symbols;
     const auto outputs = problem_.output_symbols();
     for (const auto& column : problem_.data().columns)
@@ -115,86 +112,6 @@ class Diagnoser {
   SearchOptions search_options(std::uint64_t seed) {
     return {options_.nulls, options_.alpha, seed, options_.executor,
             [this] { return progress_.tick(); }};
-  }
-
-  void add_sensor_findings(const std::vector<FaultySensor>& sensors) {
-    for (const auto& sensor : sensors) {
-      // One or two wrong readings are left out and said; they explain nothing.
-      if ((sensor.fault == SensorFault::spiked && sensor.rows.size() < 3) || !sensor.named) {
-        result_.warnings.push_back(sentence(sensor));
-        continue;
-      }
-      Finding finding{.cause = "sensor_fault",
-                      .subject = sensor.channel,
-                      .where = "sensor",
-                      .applies_to = effects::AppliesTo::dataset,
-                      .rows = sensor.rows,
-                      .p_adjusted = std::max(sensor.p, kSmallestP),
-                      .sentence = sentence(sensor)};
-      if (!dataset_.time_s.empty())
-        finding.parameters.push_back({"time_s", dataset_.time_s[sensor.rows.front()], {}, {}});
-      result_.findings.push_back(std::move(finding));
-    }
-  }
-
-  void leave_out_outliers() {
-    const auto outliers = outlier_rows(problem_, options_.alpha);
-    if (outliers.empty()) return;
-    problem_.leave_out(note_outliers(outliers));
-    problem_.lay_blocks(kMostBlocks);
-  }
-
-  // Their rows, ascending, each once.
-  std::vector<std::size_t> note_outliers(const std::vector<OutlierRow>& outliers) {
-    std::vector<std::size_t> rows;
-    for (const auto& one : outliers)
-      if (rows.empty() || rows.back() != one.row) rows.push_back(one.row);
-    auto known = std::ranges::find(result_.findings, "outliers", &Finding::cause);
-    if (known == result_.findings.end())
-      known = result_.findings.insert(
-          known,
-          Finding{.cause = "outliers", .where = "data", .applies_to = effects::AppliesTo::dataset});
-    for (const auto& one : outliers)
-      known->p_adjusted = std::min(known->p_adjusted, std::max(one.p, kSmallestP));
-    known->rows.insert(known->rows.end(), rows.begin(), rows.end());
-    std::ranges::sort(known->rows);
-    known->parameters = {{"count", static_cast<double>(known->rows.size()), {}, {}}};
-    known->sentence = sentence(*known);
-    return rows;
-  }
-
-  // The readings lie on two sides, and no cause explains them as well: the search works on what
-  // they are without the sides. What is predicted of a row does not know its side.
-  void free_of_sides(const TwoSides& sides, const SoftBase& simulation) {
-    const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
-    Eigen::VectorXd side = Eigen::VectorXd::Zero(rows);
-    for (std::size_t i = 0; i < problem_.learn.size(); ++i)
-      side[static_cast<Eigen::Index>(problem_.learn[i])] = sides.side[static_cast<Eigen::Index>(i)];
-    const auto take_out = [&] {
-      for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
-        auto& output = problem_.outputs[o];
-        if (output.freed_of.size() > 0) output.measured += output.freed_of;
-        output.freed_of = side * sides.half[static_cast<Eigen::Index>(o)];
-        output.measured -= output.freed_of;
-      }
-    };
-    take_out();
-    // Rows that did not learn lie on the side that is nearer to what the others foretell.
-    Eigen::VectorXd shows = Eigen::VectorXd::Zero(rows);
-    for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
-      shows += residuals(problem_, problem_.outputs[o], simulation) *
-               sides.along[static_cast<Eigen::Index>(o)];
-    const double way = sides.half.dot(sides.along);
-    for (const std::size_t row : problem_.judge)
-      if (auto& one = side[static_cast<Eigen::Index>(row)]; one == 0)
-        one = shows[static_cast<Eigen::Index>(row)] * way < 0 ? -1 : 1;
-    take_out();
-    result_.findings.push_back(probe_hysteresis(problem_, sides));
-    result_.warnings.push_back(
-        "the sides of " + result_.findings.back().subject +
-        " are taken out of what the search looks at, and stay in the figures: no "
-        "model predicts them. Approach every point from the same side, from further than the "
-        "width, or read it with an instrument that nothing rubs on");
   }
 
   // sides: where it is set the search ended, for the readings have them.
@@ -246,10 +163,10 @@ class Diagnoser {
       result_.nulls = std::max(result_.nulls, look->nulls);
       sides = sides_beyond(*look, extension);
       if (sides) {
-        free_of_sides(*sides, extension.all());
+        faults_.free_of_sides(*sides, extension.all());
         return {};
       }
-      if (weighed_first(extension, *look)) {
+      if (faults_.weighed_first(extension, *look)) {
         again = false;
         continue;
       }
@@ -259,7 +176,7 @@ class Diagnoser {
         continue;
       }
       if (look->first) nearest_ = {name_of(causes_[*look->first]), look->p_adjusted};
-      if (noise_looked_at || !note_noise_changes(extension, look->shapes)) break;
+      if (noise_looked_at || !faults_.note_noise(extension, look->shapes)) break;
       noise_looked_at = true;  // and look once more, with every row's own spread
       again = false;
     }
@@ -277,95 +194,9 @@ class Diagnoser {
     return sides;
   }
 
-  // Every row's own spread, with the place and from an instant on.
-  bool note_noise_changes(const Extension& extension, const std::vector<NoiseShape>& shapes) {
-    bool any = note_gross_errors(extension.ground({}, shapes));
-    if (const auto spread = spread_over_places(problem_, extension.ground({}, shapes))) {
-      weigh_rows(*spread, "place");
-      any = true;
-    }
-    const auto changes = noise_changes(extension.ground({}, shapes));
-    if (changes.empty()) return any;
-    // One spread per row for all outputs: that of the strongest change.
-    const auto& strongest = *std::ranges::max_element(changes, {}, &NoiseChange::gain);
-    const auto first = problem_.learn[static_cast<std::size_t>(
-        std::ranges::find(problem_.block_of, static_cast<std::size_t>(strongest.block)) -
-        problem_.block_of.begin())];
-    const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
-    if (problem_.row_sd.size() == 0) problem_.row_sd = Eigen::VectorXd::Ones(rows);
-    problem_.row_sd.tail(rows - static_cast<Eigen::Index>(first)) *= strongest.ratio;
-    problem_.lay_blocks(kMostBlocks);
-    for (const auto& change : changes) {
-      const auto& output = problem_.outputs[change.output];
-      Finding finding{.cause = "noise_change",
-                      .subject = output.channel.symbol,
-                      .where = "data",
-                      .applies_to = effects::AppliesTo::dataset,
-                      .p_adjusted = std::max(std::exp(-change.gain / 2), kSmallestP),
-                      .log_likelihood_ratio = change.gain / 2};
-      finding.parameters.push_back({"ratio", change.ratio, {}, {}});
-      finding.parameters.push_back({"time_s", problem_.timeline.time_s[change.block], {}, {}});
-      finding.sentence = sentence(finding);
-      result_.findings.push_back(std::move(finding));
-    }
-    return true;
-  }
-
-  void weigh_rows(const Spread& spread, const std::string& goes_with) {
-    problem_.row_sd = problem_.row_sd.size() == 0
-                          ? spread.sd
-                          : Eigen::VectorXd(problem_.row_sd.cwiseProduct(spread.sd));
-    problem_.lay_blocks(kMostBlocks);
-    const Eigen::VectorXd learned = rows_of(spread.sd, problem_.learn);
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the noise goes with the %s: %.2g times as large at its largest as at its "
-                  "smallest; every row counts by its own",
-                  goes_with.c_str(), learned.maxCoeff() / learned.minCoeff());
-    result_.warnings.push_back(text);
-  }
-
-  // A spread that goes with the hour or the place, asked before a cause is named: where the noise
-  // is loud its slow part is large, and a cause is found for it. The spread comes first where it
-  // explains more than the cause does, and than a change at one instant, which has a name.
-  bool weighed_first(const Extension& extension, const Look& look) {
-    const Ground ground = extension.ground({}, look.shapes);
-    const double cause =
-        look.first && look.p_adjusted <= options_.alpha ? look.causes[*look.first].evidence : 0;
-    double at_an_instant = 0;
-    for (const auto& change : noise_changes(ground)) at_an_instant += change.gain;
-    const auto over_time = time_weighed_ ? std::nullopt : spread_over_time(problem_, ground);
-    const auto over_places = place_weighed_ ? std::nullopt : spread_over_places(problem_, ground);
-    const auto more = [](const std::optional<Spread>& one, double than) {
-      return one && one->gain > than;
-    };
-    if (more(over_time, std::max({cause, at_an_instant, over_places ? over_places->gain : 0}))) {
-      time_weighed_ = true;
-      weigh_rows(*over_time, "hour");
-      return true;
-    }
-    if (!more(over_places, std::max(cause, at_an_instant))) return false;
-    place_weighed_ = true;
-    weigh_rows(*over_places, "place");
-    return true;
-  }
-
-  // Rows that the search has stay in it, with no weight; no figure is judged on them.
-  bool note_gross_errors(const Ground& ground) {
-    const auto gross = gross_errors(problem_, ground, options_.alpha);
-    if (gross.empty()) return false;
-    if (problem_.row_sd.size() == 0)
-      problem_.row_sd = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(problem_.data().rows));
-    const auto rows = note_outliers(gross);
-    for (const std::size_t row : rows) problem_.row_sd[static_cast<Eigen::Index>(row)] = kNoWeight;
-    problem_.judge_without(rows);
-    problem_.lay_blocks(kMostBlocks);
-    return true;
-  }
-
   Result<void> look_at_remainder(const Physics& physics, Extension& extension) {
     if (!progress_.further(0.4, "looking at what is left")) return cancelled();
-    Remainder remainder(problem_, kMostBlocks, physics, options_.exclude_symbols,
+    Remainder remainder(problem_, kMostSearched, physics, options_.exclude_symbols,
                         search_options(options_.seed + 1));
     Omnibus omnibus(remainder.whole(), remainder.series(), options_.exclude_symbols);
     while (true) {
@@ -492,8 +323,8 @@ class Diagnoser {
     std::string cause;
     double p_adjusted = 1;
   } nearest_;  // of those that were not named
-  bool time_weighed_ = false, place_weighed_ = false;
   Diagnosis result_;
+  DataFaults faults_;
 };
 
 // A sensor that is frozen in more rows than the search can spare is left out of the baseline.
@@ -545,7 +376,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   Dataset mended = std::move(whole.data);
   auto sensors = mend_sensors(mended, options.baseline.outputs.size(), options.alpha,
                               [&](const Dataset& data) {
-                                const auto laid = lay_out(data, options.baseline, kMostBlocks);
+                                const auto laid = lay_out(data, options.baseline, kMostSearched);
                                 return laid ? two_ln_likelihood(*laid) : -INFINITY;
                               });
   DiagnoseOptions asked = options;
@@ -565,7 +396,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   // What was simulated was identified without two of ten blocks (robot_diagnosis.cc): no other rows
   // are unseen.
   const auto judging = options.simulated.size() > 0 ? Judging::apart : Judging::in_turn;
-  DRIFTWISE_TRY(auto problem, lay_out(mended, asked.baseline, kMostBlocks, judging));
+  DRIFTWISE_TRY(auto problem, lay_out(mended, asked.baseline, kMostSearched, judging));
   if (options.simulated.size() > 0)
     for (std::size_t o = 0; o < problem.outputs.size(); ++o)
       problem.outputs[o].measured -=

@@ -18,6 +18,9 @@
 
 namespace driftwise::diagnosis {
 
+// Rows that a search looks at one by one; more of them are averaged (Problem::lay_blocks).
+inline constexpr std::size_t kMostSearched = 4000;
+
 struct ProblemOutput {
   Channel channel;
   std::string unit;          // summary unit

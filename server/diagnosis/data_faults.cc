@@ -1,0 +1,177 @@
+#include "server/diagnosis/data_faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "server/diagnosis/report/report.h"
+#include "server/diagnosis/report/sentence.h"
+#include "server/diagnosis/rows/held_out_gain.h"
+#include "server/diagnosis/search/column_bank.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kNoWeight = 1e4;  // spread of a wrong row over the others'
+
+}  // namespace
+
+void DataFaults::note_sensors(const std::vector<FaultySensor>& sensors) {
+  for (const auto& sensor : sensors) {
+    // One or two wrong readings are left out and said; they explain nothing.
+    if ((sensor.fault == SensorFault::spiked && sensor.rows.size() < 3) || !sensor.named) {
+      result_.warnings.push_back(sentence(sensor));
+      continue;
+    }
+    Finding finding{.cause = "sensor_fault",
+                    .subject = sensor.channel,
+                    .where = "sensor",
+                    .applies_to = effects::AppliesTo::dataset,
+                    .rows = sensor.rows,
+                    .p_adjusted = std::max(sensor.p, kSmallestP),
+                    .sentence = sentence(sensor)};
+    if (!dataset_.time_s.empty())
+      finding.parameters.push_back({"time_s", dataset_.time_s[sensor.rows.front()], {}, {}});
+    result_.findings.push_back(std::move(finding));
+  }
+}
+
+void DataFaults::leave_out_outliers() {
+  const auto outliers = outlier_rows(problem_, options_.alpha);
+  if (outliers.empty()) return;
+  problem_.leave_out(note_outliers(outliers));
+  problem_.lay_blocks(kMostSearched);
+}
+
+std::vector<std::size_t> DataFaults::note_outliers(const std::vector<OutlierRow>& outliers) {
+  std::vector<std::size_t> rows;
+  for (const auto& one : outliers)
+    if (rows.empty() || rows.back() != one.row) rows.push_back(one.row);
+  auto known = std::ranges::find(result_.findings, "outliers", &Finding::cause);
+  if (known == result_.findings.end())
+    known = result_.findings.insert(
+        known,
+        Finding{.cause = "outliers", .where = "data", .applies_to = effects::AppliesTo::dataset});
+  for (const auto& one : outliers)
+    known->p_adjusted = std::min(known->p_adjusted, std::max(one.p, kSmallestP));
+  known->rows.insert(known->rows.end(), rows.begin(), rows.end());
+  std::ranges::sort(known->rows);
+  known->parameters = {{"count", static_cast<double>(known->rows.size()), {}, {}}};
+  known->sentence = sentence(*known);
+  return rows;
+}
+
+bool DataFaults::note_gross_errors(const Ground& ground) {
+  const auto gross = gross_errors(problem_, ground, options_.alpha);
+  if (gross.empty()) return false;
+  if (problem_.row_sd.size() == 0)
+    problem_.row_sd = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(problem_.data().rows));
+  const auto rows = note_outliers(gross);
+  for (const std::size_t row : rows) problem_.row_sd[static_cast<Eigen::Index>(row)] = kNoWeight;
+  problem_.judge_without(rows);
+  problem_.lay_blocks(kMostSearched);
+  return true;
+}
+
+bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes) {
+  bool any = note_gross_errors(extension.ground({}, shapes));
+  if (const auto spread = spread_over_places(problem_, extension.ground({}, shapes))) {
+    weigh_rows(*spread, "place");
+    any = true;
+  }
+  const auto changes = noise_changes(extension.ground({}, shapes));
+  if (changes.empty()) return any;
+  // One spread per row for all outputs: that of the strongest change.
+  const auto& strongest = *std::ranges::max_element(changes, {}, &NoiseChange::gain);
+  const auto first = problem_.learn[static_cast<std::size_t>(
+      std::ranges::find(problem_.block_of, static_cast<std::size_t>(strongest.block)) -
+      problem_.block_of.begin())];
+  const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
+  if (problem_.row_sd.size() == 0) problem_.row_sd = Eigen::VectorXd::Ones(rows);
+  problem_.row_sd.tail(rows - static_cast<Eigen::Index>(first)) *= strongest.ratio;
+  problem_.lay_blocks(kMostSearched);
+  for (const auto& change : changes) {
+    const auto& output = problem_.outputs[change.output];
+    Finding finding{.cause = "noise_change",
+                    .subject = output.channel.symbol,
+                    .where = "data",
+                    .applies_to = effects::AppliesTo::dataset,
+                    .p_adjusted = std::max(std::exp(-change.gain / 2), kSmallestP),
+                    .log_likelihood_ratio = change.gain / 2};
+    finding.parameters.push_back({"ratio", change.ratio, {}, {}});
+    finding.parameters.push_back({"time_s", problem_.timeline.time_s[change.block], {}, {}});
+    finding.sentence = sentence(finding);
+    result_.findings.push_back(std::move(finding));
+  }
+  return true;
+}
+
+void DataFaults::weigh_rows(const Spread& spread, const std::string& goes_with) {
+  problem_.row_sd = problem_.row_sd.size() == 0
+                        ? spread.sd
+                        : Eigen::VectorXd(problem_.row_sd.cwiseProduct(spread.sd));
+  problem_.lay_blocks(kMostSearched);
+  const Eigen::VectorXd learned = rows_of(spread.sd, problem_.learn);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the noise goes with the %s: %.2g times as large at its largest as at its "
+                "smallest; every row counts by its own",
+                goes_with.c_str(), learned.maxCoeff() / learned.minCoeff());
+  result_.warnings.push_back(text);
+}
+
+bool DataFaults::weighed_first(const Extension& extension, const Look& look) {
+  const Ground ground = extension.ground({}, look.shapes);
+  const double cause =
+      look.first && look.p_adjusted <= options_.alpha ? look.causes[*look.first].evidence : 0;
+  double at_an_instant = 0;
+  for (const auto& change : noise_changes(ground)) at_an_instant += change.gain;
+  const auto over_time = time_weighed_ ? std::nullopt : spread_over_time(problem_, ground);
+  const auto over_places = place_weighed_ ? std::nullopt : spread_over_places(problem_, ground);
+  const auto more = [](const std::optional<Spread>& one, double than) {
+    return one && one->gain > than;
+  };
+  if (more(over_time, std::max({cause, at_an_instant, over_places ? over_places->gain : 0}))) {
+    time_weighed_ = true;
+    weigh_rows(*over_time, "hour");
+    return true;
+  }
+  if (!more(over_places, std::max(cause, at_an_instant))) return false;
+  place_weighed_ = true;
+  weigh_rows(*over_places, "place");
+  return true;
+}
+
+void DataFaults::free_of_sides(const TwoSides& sides, const SoftBase& simulation) {
+  const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
+  Eigen::VectorXd side = Eigen::VectorXd::Zero(rows);
+  for (std::size_t i = 0; i < problem_.learn.size(); ++i)
+    side[static_cast<Eigen::Index>(problem_.learn[i])] = sides.side[static_cast<Eigen::Index>(i)];
+  const auto take_out = [&] {
+    for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
+      auto& output = problem_.outputs[o];
+      if (output.freed_of.size() > 0) output.measured += output.freed_of;
+      output.freed_of = side * sides.half[static_cast<Eigen::Index>(o)];
+      output.measured -= output.freed_of;
+    }
+  };
+  take_out();
+  // Rows that did not learn lie on the side that is nearer to what the others foretell.
+  Eigen::VectorXd shows = Eigen::VectorXd::Zero(rows);
+  for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
+    shows += residuals(problem_, problem_.outputs[o], simulation) *
+             sides.along[static_cast<Eigen::Index>(o)];
+  const double way = sides.half.dot(sides.along);
+  for (const std::size_t row : problem_.judge)
+    if (auto& one = side[static_cast<Eigen::Index>(row)]; one == 0)
+      one = shows[static_cast<Eigen::Index>(row)] * way < 0 ? -1 : 1;
+  take_out();
+  result_.findings.push_back(probe_hysteresis(problem_, sides));
+  result_.warnings.push_back(
+      "the sides of " + result_.findings.back().subject +
+      " are taken out of what the search looks at, and stay in the figures: no "
+      "model predicts them. Approach every point from the same side, from further than the "
+      "width, or read it with an instrument that nothing rubs on");
+}
+
+}  // namespace driftwise::diagnosis

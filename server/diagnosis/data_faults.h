@@ -1,0 +1,58 @@
+#pragma once
+// Faults of the data and the noise's spread, which no cause of the robot or an instrument is: each
+// becomes a finding or a note, and is taken out of what the search looks at.
+
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/answer/diagnosis.h"
+#include "server/diagnosis/growth/extension.h"
+#include "server/diagnosis/noise/two_sides.h"
+#include "server/diagnosis/rows/problem.h"
+#include "server/diagnosis/rows/screen.h"
+#include "server/diagnosis/rows/spread_over_places.h"
+
+namespace driftwise::diagnosis {
+
+inline constexpr double kSmallestP = 1e-300;  // that is printed: 0 would be a rule, not a chance
+
+class DataFaults {
+ public:
+  // All outlive it. It changes the problem's rows and weights, and adds to the result's findings
+  // and warnings. dataset: as it was given.
+  DataFaults(const Dataset& dataset, const DiagnoseOptions& options, Problem& problem,
+             Diagnosis& result)
+      : dataset_(dataset), options_(options), problem_(problem), result_(result) {}
+
+  // Before the search.
+  void note_sensors(const std::vector<FaultySensor>& sensors);
+  void leave_out_outliers();
+
+  // Asked where the search finds no further cause: smaller gross errors, and every row's own
+  // spread, with the place and from an instant on. False: nothing of it.
+  bool note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes);
+
+  // A spread that goes with the hour or the place, asked before a cause is named: where the noise
+  // is loud its slow part is large, and a cause is found for it. The spread comes first where it
+  // explains more than the cause does, and than a change at one instant, which has a name.
+  bool weighed_first(const Extension& extension, const Look& look);
+
+  // The readings lie on two sides, and no cause explains them as well: the search works on what
+  // they are without the sides. What is predicted of a row does not know its side.
+  void free_of_sides(const TwoSides& sides, const SoftBase& simulation);
+
+ private:
+  // Their rows, ascending, each once.
+  std::vector<std::size_t> note_outliers(const std::vector<OutlierRow>& outliers);
+  // Rows that the search has stay in it, with no weight; no figure is judged on them.
+  bool note_gross_errors(const Ground& ground);
+  void weigh_rows(const Spread& spread, const std::string& goes_with);
+
+  const Dataset& dataset_;
+  const DiagnoseOptions& options_;
+  Problem& problem_;
+  Diagnosis& result_;
+  bool time_weighed_ = false, place_weighed_ = false;
+};
+
+}  // namespace driftwise::diagnosis
