@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Joined sessions of the Delta Cube 2 against the plant's truth, on the wire: of each seed, another machine, the demo's three sessions with
+# the box opened between, joined; then a session that measures all six coordinates at once. The table: deploy/lib/join_count.py.
+# Usage: deploy/lib/join_count.sh [FIRST_SEED [COUNT]]    (1, 5; of a built tree; DRIFTWISE_BUILD as for deploy/demo.sh)
+# A seed that is there is not run again: a stopped series continues. Figures of a seed: out/join-count/SEED.json
+source "$(dirname "$0")/common.sh"
+
+robot=delta-cube-2 first=${1:-1} count=${2:-5}
+source "$root/deploy/lib/cell.sh"
+source "$root/deploy/lib/delta-cube-2.sh"
+speed=$default_speed
+kept=$root/out/join-count
+mkdir -p "$kept"
+need_programs
+
+# at_once: a set-up of all instruments, which only a simulated cell has in every place, and a session in it
+at_once() {
+  cat >>"$out/cell.toml" <<'SETUP'
+
+[[setup]]
+name = "at-once"
+description = "all six coordinates"
+SETUP
+  local channel device
+  while read -r channel device; do
+    printf '\n[[setup.coordinate]]\nchannel = "%s"\ndevice = "%s"\n' "$channel" "$device" >>"$out/cell.toml"
+  done <<'COORDINATES'
+x_mm laser-x
+y_mm laser-y
+z_mm laser-z
+rx_arcsec collimator-2
+ry_arcsec collimator-1
+rz_arcsec collimator-1
+COORDINATES
+  restart_daemon
+  driftwise configuration accept --yes --note "a set-up of all instruments"
+  session_in at-once at_once
+}
+
+one_seed() {  # one_seed SEED: SEED.json of it
+  local run=0 sessions=()
+  start_cell delta-cube-2 "$speed" "$1"
+  session 1
+  open_box 1800; rest 9.5 configuration-2; session 2
+  open_box 1800; rest 9.5 configuration-3; session 3
+  driftwise data join "${sessions[@]}" --name joined --json >"$out/join.json"
+  run=$((run + 1))
+  driftwise data export $run -o "$out/joined.csv"
+  at_once
+  report delta-cube-2 join "$out"
+  cp "$out/join_truth.json" "$kept/$1.json"
+  finish; daemon= cellsim=
+}
+
+for seed in $(seq "$first" $((first + count - 1))); do
+  [ -s "$kept/$seed.json" ] && continue
+  say "seed $seed, load $(cut -d' ' -f1-3 /proc/loadavg)"
+  instance=join-count one_seed "$seed"
+done
+"$root/deploy/lib/join_count.py" $(seq -f "$kept/%g.json" "$first" $((first + count - 1)))
