@@ -200,10 +200,11 @@ void print_delta_cube_join(const std::string& folder) {
       of["less_at_once_rms"] = rms_of(less);
     }
     std::printf("\n");
-    true_values[k] = std::move(where_measured);
+    true_values[k] = std::move(mean);
   }
   std::ofstream(folder + "/join_truth.json") << figures.dump(1) << "\n";
-  // Calibration rows as measured, validation rows where the cube really was.
+  // Calibration rows as measured, validation rows where the cube really was at their motor
+  // coordinates.
   for (std::size_t k = 0; k < kJoined.size(); ++k)
     for (auto& column : joined.columns)
       if (column.channel.symbol == kJoined[k].symbol)
