@@ -13,13 +13,18 @@ kept=$root/out/join-count
 mkdir -p "$kept"
 need_programs
 
-# at_once: a set-up of all instruments, which only a simulated cell has in every place, and a session in it
+# at_once: a set-up of all instruments, which only a simulated cell has in every place. ry is read by both autocollimators.
 at_once() {
   cat >>"$out/cell.toml" <<'SETUP'
 
 [[setup]]
 name = "at-once"
 description = "all six coordinates"
+
+[[setup.confirmation]]
+channel = "ry_arcsec"
+device = "collimator-2"
+limit = 5
 SETUP
   local channel device
   while read -r channel device; do
@@ -34,19 +39,19 @@ rz_arcsec collimator-1
 COORDINATES
   restart_daemon
   driftwise configuration accept --yes --note "a set-up of all instruments"
-  session_in at-once at_once
 }
 
 one_seed() {  # one_seed SEED: SEED.json of it
   local run=0 sessions=()
   start_cell delta-cube-2 "$speed" "$1"
+  at_once
   session 1
   open_box 1800; rest 9.5 configuration-2; session 2
   open_box 1800; rest 9.5 configuration-3; session 3
   driftwise data join "${sessions[@]}" --name joined --json >"$out/join.json"
   run=$((run + 1))
   driftwise data export $run -o "$out/joined.csv"
-  at_once
+  session_in at-once at_once
   report delta-cube-2 join "$out"
   cp "$out/join_truth.json" "$kept/$1.json"
   finish; daemon= cellsim=
