@@ -75,20 +75,12 @@ Dataset rows_of(const Dataset& data, const std::vector<std::size_t>& rows) {
   return out;
 }
 
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  if (values.empty()) return 0;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
-// Less the median of the returns to zero, as the join aligns its zeros.
+// Less the mean of the returns to zero.
 void align_at_returns(const Dataset& rows, std::vector<double>& values) {
-  std::vector<double> returns;
+  double sum = 0, count = 0;
   for (std::size_t row = 0; row < rows.rows; ++row)
-    if (is_zero_row(rows, row)) returns.push_back(values[row]);
-  const double zero = median_of(std::move(returns));
-  for (double& value : values) value -= zero;
+    if (is_zero_row(rows, row)) sum += values[row], count += 1;
+  for (double& value : values) value -= sum / count;
 }
 
 // Where the cube was in one session, in the rows of the joined data; in the joined column's unit.
@@ -103,13 +95,12 @@ std::vector<double> true_values_of(const Dataset& joined, const Session& session
 }
 
 // Measured less true, nm or arcsec.
-std::vector<double> errors_of(const Dataset& data, const JoinedCoordinate& one,
+std::vector<double> errors_of(const std::vector<double>& measured, const JoinedCoordinate& one,
                               const std::vector<double>& true_values) {
-  std::vector<double> measured = need_column(data, one.symbol).values;
-  align_at_returns(data, measured);
+  std::vector<double> errors;
   for (std::size_t row = 0; row < measured.size(); ++row)
-    measured[row] = one.shown * (measured[row] - true_values[row]);
-  return measured;
+    errors.push_back(one.shown * (measured[row] - true_values[row]));
+  return errors;
 }
 
 double rms_of(const std::vector<double>& values) {
@@ -157,7 +148,7 @@ void print_delta_cube_join(const std::string& folder) {
   std::printf(
       "\nThe joined pose against the plant's truth at the joined motor coordinates (the mean of "
       "the "
-      "three sessions'), zeros at the returns to zero\n"
+      "three sessions'), zeros at the mean of the returns\n"
       "  %-12s%12s%18s%10s%10s%20s%s\n",
       "", "stated u", "true error, rms", "error/u", "largest", "seen twice: sigma",
       has_at_once ? "   six at once, rms   joined less at once, rms" : "");
@@ -169,13 +160,14 @@ void print_delta_cube_join(const std::string& folder) {
     // cube was in their mean. They are 100 nm apart at most.
     std::vector<double> mean(joined.rows, 0), where_measured(joined.rows, 0);
     for (std::size_t s = 0; s < sessions.size(); ++s) {
-      const auto values = true_values_of(joined, sessions[s], truth, one);
+      const auto there = true_values_of(joined, sessions[s], truth, one);
       for (std::size_t row = 0; row < joined.rows; ++row) {
-        mean[row] += values[row] / static_cast<double>(sessions.size());
-        if (one.seen[s]) where_measured[row] += values[row] / one.sources();
+        mean[row] += there[row] / static_cast<double>(sessions.size());
+        if (one.seen[s]) where_measured[row] += there[row] / one.sources();
       }
     }
-    const auto error = errors_of(joined, one, mean);
+    const auto& values = need_column(joined, one.symbol).values;
+    const auto error = errors_of(values, one, mean);
     const double u = stated_u(report, one), check = seen_twice(report, one);
     std::printf("  %-4s%-8s%12.2f%18.2f%10.2f%10.2f", one.symbol, one.unit(), u, rms_of(error),
                 rms_of(error) / u, largest_of(error));
@@ -188,11 +180,13 @@ void print_delta_cube_join(const std::string& folder) {
           {"u", u},
           {"rms", rms_of(error)},
           {"largest", largest_of(error)},
-          {"rms_where_measured", rms_of(errors_of(joined, one, where_measured))}};
+          {"rms_where_measured", rms_of(errors_of(values, one, where_measured))}};
     if (at_once) {
       const auto rows = rows_at_places_of(joined, at_once->data);
       const Dataset there = rows_of(at_once->data, rows);
-      const auto other = errors_of(there, one, true_values_of(joined, *at_once, truth, one));
+      auto seen = need_column(there, one.symbol).values;
+      align_at_returns(there, seen);
+      const auto other = errors_of(seen, one, true_values_of(joined, *at_once, truth, one));
       std::vector<double> less;
       for (std::size_t row = 0; row < joined.rows; ++row) less.push_back(error[row] - other[row]);
       std::printf("%21.2f%27.2f", rms_of(other), rms_of(less));

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Errors of joined coordinates against their stated uncertainty, over several machines.
 
-join_count.py SEED.json ...: files of deploy/lib/join_count.sh, one per machine. A column per coordinate (nm, arcsec), a row per figure:
+join_count.py SEED/join_truth.json ...: files of deploy/lib/join_count.sh, one per machine. A column per coordinate (nm, arcsec), a row per figure:
 rms over the machines of the error at the plant's truth and of the stated u, their ratio, the worst machine, machines within 2 u, and
 the same against six coordinates measured at once: error <= sqrt(at_once^2 + (2 u)^2). Exit code 1: a ratio above 1.5, or a rotation
 of one machine beyond 2 u."""
@@ -22,7 +22,7 @@ def main():
         sys.exit(__doc__)
     seeds, machines = [], []
     for name in sys.argv[1:]:
-        seeds.append(os.path.splitext(os.path.basename(name))[0])
+        seeds.append(os.path.basename(os.path.dirname(name)))
         with open(name, encoding="utf-8") as file:
             machines.append(json.load(file))
     rows = {title: [] for title in ("rms error", "stated u", "ratio", "worst machine (its seed)", "within 2 u", "largest single row",

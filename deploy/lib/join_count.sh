@@ -2,7 +2,7 @@
 # Joined sessions of the Delta Cube 2 against the plant's truth, on the wire: of each seed, another machine, the demo's three sessions with
 # the box opened between, joined; then a session that measures all six coordinates at once. The table: deploy/lib/join_count.py.
 # Usage: deploy/lib/join_count.sh [FIRST_SEED [COUNT]]    (1, 5; of a built tree; DRIFTWISE_BUILD as for deploy/demo.sh)
-# A seed that is there is not run again: a stopped series continues. Figures of a seed: out/join-count/SEED.json
+# A seed that is there is not run again: a stopped series continues. Its sessions and figures: out/join-count/SEED
 source "$(dirname "$0")/common.sh"
 
 robot=delta-cube-2 first=${1:-1} count=${2:-5}
@@ -10,7 +10,6 @@ source "$root/deploy/lib/cell.sh"
 source "$root/deploy/lib/delta-cube-2.sh"
 speed=$default_speed
 kept=$root/out/join-count
-mkdir -p "$kept"
 need_programs
 
 # at_once: a set-up of all instruments, which only a simulated cell has in every place. ry is read by both autocollimators.
@@ -41,7 +40,7 @@ COORDINATES
   driftwise configuration accept --yes --note "a set-up of all instruments"
 }
 
-one_seed() {  # one_seed SEED: SEED.json of it
+one_seed() {  # one_seed SEED: its sessions, and join_truth.json
   local run=0 sessions=()
   start_cell delta-cube-2 "$speed" "$1"
   at_once
@@ -53,13 +52,13 @@ one_seed() {  # one_seed SEED: SEED.json of it
   driftwise data export $run -o "$out/joined.csv"
   session_in at-once at_once
   report delta-cube-2 join "$out"
-  cp "$out/join_truth.json" "$kept/$1.json"
   finish; daemon= cellsim=
+  rm -f "$out"/driftwise.sqlite*
 }
 
 for seed in $(seq "$first" $((first + count - 1))); do
-  [ -s "$kept/$seed.json" ] && continue
+  [ -s "$kept/$seed/join_truth.json" ] && continue
   say "seed $seed, load $(cut -d' ' -f1-3 /proc/loadavg)"
-  instance=join-count one_seed "$seed"
+  instance=join-count/$seed one_seed "$seed"
 done
-"$root/deploy/lib/join_count.py" $(seq -f "$kept/%g.json" "$first" $((first + count - 1)))
+"$root/deploy/lib/join_count.py" $(seq -f "$kept/%g/join_truth.json" "$first" $((first + count - 1)))

@@ -182,18 +182,20 @@ const Sessions& sessions() {
   return made;
 }
 
-// Zeros at the median of the returns, as the join has them; nm or arcsec.
+// Zeros at the mean of the returns; nm or arcsec.
 double rms_error(const Dataset& data, const std::string& symbol, const std::vector<double>& truth) {
   const auto& measured = data.find(symbol)->values;
   const double factor = symbol.size() == 1 ? 1e6 : 1;
-  std::vector<double> errors, returns;
+  std::vector<double> errors;
+  double at_returns = 0, returns = 0;
   for (std::size_t row = 0; row < data.rows; ++row) {
     errors.push_back(factor * (measured[row] - truth[row]));
-    if (data.zero[row] != 0) returns.push_back(errors.back());
+    if (data.zero[row] == 0) continue;
+    at_returns += errors.back();
+    returns += 1;
   }
-  std::ranges::sort(returns);
   double squares = 0;
-  for (const double error : errors) squares += std::pow(error - returns[returns.size() / 2], 2);
+  for (const double error : errors) squares += std::pow(error - at_returns / returns, 2);
   return std::sqrt(squares / static_cast<double>(errors.size()));
 }
 
