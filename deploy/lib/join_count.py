@@ -26,7 +26,7 @@ def main():
         with open(name, encoding="utf-8") as file:
             machines.append(json.load(file))
     rows = {title: [] for title in ("rms error", "stated u", "ratio", "worst machine (its seed)", "within 2 u", "largest single row",
-                                    "six at once, rms error", "joined : sqrt(at once^2 + u^2)", "worst machine (its seed) ",
+                                    "six at once, rms error", "joined : sqrt(at once^2 + u^2)", "... worst machine (its seed)",
                                     "within sqrt(at once^2 + (2 u)^2)", "joined less at once, rms")}
     failed = False
     for coordinate in COORDINATES:
@@ -49,7 +49,7 @@ def main():
     print("| | " + " | ".join(COORDINATES) + " |")
     print("|---" * (len(COORDINATES) + 1) + "|")
     for title, texts in rows.items():
-        print(f"| {title.strip()} | " + " | ".join(texts) + " |")
+        print(f"| {title} | " + " | ".join(texts) + " |")
     return 1 if failed else 0
 
 
