@@ -1,32 +1,51 @@
 # Chapter 2 of the published study: the predecessors' Delta Cube 2, measured in three configurations. Sourced by demo.sh.
 
+source "$root/deploy/lib/set_ups.sh"
+
 default_speed=300
 
 formula='q ~ poly(x, y, z, 3)'
 
-# open_box SECONDS: a person opens the box for so long and carries the instruments to their next places
-open_box() {
+# at_control LINE: a line at the control port of the simulated cell; its answer without OK
+at_control() {
   local address answer; address=$(sed -n 's/.*"control":"\([^"]*\)".*/\1/p' "$out/cellsim.out")
   exec 4<>"/dev/tcp/${address%:*}/${address##*:}"
-  echo "open $1 s" >&4
+  echo "$1" >&4
   read -r answer <&4
   exec 4>&-
-  [[ $answer == OK* ]] || die "the box does not open: $answer"
+  [[ $answer == OK* ]] || { echo "$answer"; return 1; }
 }
 
-# rest HOURS SETUP: one row at zero that waits so long for the cell to be stable again. Counts run up.
+# open_box SECONDS: a person opens the box for so long and carries the instruments to their next places
+open_box() {
+  local answer; answer=$(at_control "open $1 s") || die "the box does not open: $answer"
+}
+
+# rest HOURS SETUP: the box stabilises for so long. At once and without a daemon, whose waits would keep to its speed, but for the last
+# half hour: one row at zero, with the temperatures on record. Counts run up.
 rest() {
-  printf 'q1_mm,q2_mm,q3_mm,set,line,zero,dwell_s\n0,0,0,calibration,1,1,%d\n' "$(awk -v h="$1" 'BEGIN { print h * 3600 }')" >"$out/rest.plan.csv"
+  local answer hours=$1
+  end_daemon
+  for _ in $(seq 50); do  # the cell may see the daemon's connections a moment longer
+    answer=$(at_control "pass $(awk -v h="$hours" 'BEGIN { print 3600 * h - 1800 }') s") && break
+    sleep 0.1
+  done
+  [ -z "$answer" ] || die "the hours do not pass: $answer"
+  begin_daemon
+  printf 'q1_mm,q2_mm,q3_mm,set,line,zero,dwell_s\n0,0,0,calibration,1,1,1800\n' >"$out/rest.plan.csv"
   driftwise run start "$out/rest.plan.csv" --setup "$2" --name "stabilisation before $2" --watch >"$out/rest-$2.txt"
   run=$((run + 1))
 }
 
 # session NUMBER: configuration NUMBER, exported as configuration-NUMBER.csv; its run is appended to `sessions`
 session() {
-  driftwise run start "$cell/trajectories/shortened.csv" --setup "configuration-$1" --name "configuration-$1" --watch >"$out/configuration-$1.txt"
-  run=$((run + 1))
+  session_in "configuration-$1" "configuration-$1"
   sessions+=("$run")
-  driftwise data export $run -o "$out/configuration-$1.csv"
+}
+session_in() {  # session_in SETUP NAME: exported as NAME.csv
+  driftwise run start "$cell/trajectories/shortened.csv" --setup "$1" --name "$2" --watch >"$out/$2.txt"
+  run=$((run + 1))
+  driftwise data export $run -o "$out/$2.csv"
 }
 
 # full_plan: hours of the predecessors' 19^3 poses by the daemon's own estimator
@@ -51,7 +70,7 @@ demo() {
 
   say "configuration 1: x, ry, rz"
   session 1
-  say "the box is opened for half an hour, then nine hours of stabilisation; configuration 2: y, rx, ry"
+  say "the box is opened for half an hour, then nine hours of stabilisation, the last half hour on record; configuration 2: y, rx, ry"
   open_box 1800; rest 9.5 configuration-2; session 2
   say "the box is opened again; configuration 3: z"
   open_box 1800; rest 9.5 configuration-3; session 3

@@ -74,8 +74,12 @@ rectification() {
 }
 
 # restart_daemon: ended and started again, with the cell file as it is now
-restart_daemon() {
+restart_daemon() { end_daemon; begin_daemon; }
+end_daemon() {
   kill -TERM "$daemon"; wait "$daemon" || true
+  daemon=
+}
+begin_daemon() {
   rm -f "$out/driftwised.json"
   "$bin/driftwised" --cell "$out/cell.toml" >"$out/driftwised.out" 2>>"$out/driftwised.log" & daemon=$!
   wait_for "$out/driftwised.json" "$daemon" driftwised

@@ -205,7 +205,7 @@ double motors_off_mm(const JoinParts& parts, const MatchedRows& rows, std::size_
                        mean_of(parts, rows, *sources, column.channel.symbol, k, false);
       if (!is_missing(d)) off.push_back(mm_per_unit_of(column.channel) * d);
     }
-    worst = std::max(worst, robust_sigma(off));
+    worst = std::max(worst, sigma_without_far_off(std::move(off)));
   }
   return worst;
 }

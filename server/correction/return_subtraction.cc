@@ -92,7 +92,7 @@ std::vector<double> without_jumps(const std::vector<double>& values) {
 
 namespace {
 
-// Sum of squares about the median, datum by datum, and how many returns it has; in the column's
+// Sum of squares about their centre, datum by datum, and how many returns it has; in the column's
 // unit.
 struct Squares {
   double sum = 0, count = 0;
@@ -104,9 +104,9 @@ Squares squares_of_returns(const JoinPart& part, const std::vector<std::size_t>&
   for (const auto& [datum, rows] : returns_by_datum(part, zeros, column)) {
     std::vector<double> values;
     for (const auto row : rows) values.push_back(column.values[row]);
-    const double median = median_of(values);
+    const double centre = centre_of(values);
     for (const double value : without_jumps(values)) {
-      squares.sum += (value - median) * (value - median);
+      squares.sum += (value - centre) * (value - centre);
       squares.count += 1;
     }
   }
@@ -148,18 +148,18 @@ std::map<std::string, double> spread_of_returns(const JoinPart& part,
 void align_zeros(const std::vector<std::size_t>& zeros, JoinPart& part) {
   for (auto& column : part.data.columns) {
     if (!counts_from_zero(column.channel)) continue;
-    std::map<std::int64_t, double> median;
+    std::map<std::int64_t, double> centre;
     std::vector<double> all;
     for (const auto& [datum, rows] : returns_by_datum(part, zeros, column)) {
       std::vector<double> values;
       for (const auto row : rows) values.push_back(column.values[row]);
       all.insert(all.end(), values.begin(), values.end());
-      median[datum] = median_of(std::move(values));
+      centre[datum] = centre_of(values);
     }
-    const double of_all = median_of(all);
+    const double of_all = centre_of(all);
     for (std::size_t row = 0; row < part.data.rows; ++row) {
-      const auto found = median.find(datum_of(part, row));
-      column.values[row] -= found == median.end() ? of_all : found->second;
+      const auto found = centre.find(datum_of(part, row));
+      column.values[row] -= found == centre.end() ? of_all : found->second;
     }
   }
 }

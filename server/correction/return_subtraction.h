@@ -19,7 +19,7 @@ bool counts_from_zero(const Channel& channel);
 // three returns in a datum: nothing of that datum. Asked before one of the functions below.
 std::map<std::string, double> scatter_of_returns(const JoinPart& part,
                                                  const std::vector<std::size_t>& zeros);
-// Root mean square of the returns about their median: with the drift of the run, which is smooth,
+// Root mean square of the returns about their centre: with the drift of the run, which is smooth,
 // goes one way for most of a session or waits in one place and then leaves it, so that a robust
 // sigma of its values states too little. Of a length less the motors' own deviations there, the
 // holding error, which a join counts row by row. Returns that jump are left out (without_jumps).
@@ -30,7 +30,9 @@ std::map<std::string, double> spread_of_returns(const JoinPart& part,
 // than five robust standard deviations of such distances: a wrong return jumps, a drift does not.
 std::vector<double> without_jumps(const std::vector<double>& values);
 
-// Subtracts the median of the returns, datum by datum; a datum without a return takes that of all.
+// Subtracts the centre of the returns (median of the means of all pairs), datum by datum; a datum
+// without a return takes that of all. The holding error puts each return at one of two places, and
+// a median would be at one of them, another one in each run.
 void align_zeros(const std::vector<std::size_t>& zeros, JoinPart& part);
 
 // Subtracts the line between the returns before and after each row, within one datum; before the

@@ -1,6 +1,6 @@
 // Somebody sets the wall clock of the computer while a run is under way, as both programs see it;
-// and somebody sets that of the interferometer's adapter. The computer's own clock is never
-// touched.
+// and somebody sets that of the interferometer's adapter. Hours pass at once while no daemon runs.
+// The computer's own clock is never touched.
 
 #include <gmock/gmock.h>
 
@@ -115,6 +115,32 @@ TEST(AdaptersClockOnTheWire, AJumpRepeatsThePointAndAnHourIsAnAlarm) {
   wait_until("an alarm", [&] {
     return cell.count("SELECT count(*) FROM alarm WHERE kind = 'device.clock'") == 1;
   });
+}
+
+TEST(HoursThatPassAtOnce, AreRefusedUnderADaemonAndBehindItWhenItStartsAgain) {
+  constexpr std::int64_t kNine_ns = 9 * 3600 * 1'000'000'000LL;
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto run = cell.start_run(campaign(1, 3));
+  EXPECT_EQ(cell.end_of(run).at("state"), "done");
+  EXPECT_THAT([&] { cell.control("pass 32400 s"); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("end the daemon first")));
+  EXPECT_EQ(cell.stop_daemon(), 0);
+  const auto cell_time_ns = [&cell] { return std::stoll(cell.control("time?").substr(3)); };
+  const auto before_ns = cell_time_ns();
+  wait_until("the cell has seen the daemon's connections close", [&] {
+    try {
+      cell.control("pass 32400 s");
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+    return true;
+  });
+  EXPECT_GE(cell_time_ns() - before_ns, kNine_ns);
+  cell.start_daemon();
+  const auto later = cell.start_run(campaign(1, 3));
+  EXPECT_EQ(cell.end_of(later).at("state"), "done") << cell.daemon_log();
+  EXPECT_GE(cell.count("SELECT max(measured_ns) - min(measured_ns) FROM point"), kNine_ns);
 }
 
 }  // namespace

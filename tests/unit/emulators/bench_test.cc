@@ -129,6 +129,28 @@ TEST(FaultDesk, SetsFaultsAndSaysWhatItDoesNotKnow) {
   EXPECT_THAT(desk.answer("hello", kStart), StartsWith("ERR found 'hello'"));
 }
 
+TEST(FaultDesk, LetsTimePassAndSaysWhyNot) {
+  Bench bench;
+  std::string why;
+  double passed_s = 0;
+  FaultHooks hooks;
+  hooks.pass = [&](double for_s) {
+    if (why.empty()) passed_s = for_s;
+    return why;
+  };
+  FaultDesk desk(bench.bench, std::move(hooks));
+  EXPECT_EQ(desk.answer("pass 32400 s", kStart), "OK");
+  EXPECT_EQ(passed_s, 32400);
+  for (const char* line :
+       {"pass", "pass 32400", "pass -1 s", "pass nan s", "pass 700000 s", "pass 1 s more"})
+    EXPECT_THAT(desk.answer(line, kStart), StartsWith("ERR expected pass <n> s")) << line;
+  why = "2 connections to devices are open";
+  EXPECT_EQ(desk.answer("pass 1 s", kStart), "ERR 2 connections to devices are open");
+  EXPECT_EQ(passed_s, 32400);
+  FaultDesk unable(bench.bench, {});
+  EXPECT_EQ(unable.answer("pass 1 s", kStart), "ERR this cell cannot do that");
+}
+
 TEST(FaultDesk, HangsWeightsAndBlindsAutocollimators) {
   Bench bench;
   double hung_n = 0;
@@ -231,6 +253,21 @@ TEST(SimClock, NeverRunsBack) {
   const TimeNs earlier = kStart - 1000 * kSecondNs;
   out.seekp(24).write(reinterpret_cast<const char*>(&earlier), 8).flush();
   EXPECT_EQ(clock.now(), before);
+}
+
+TEST(SimClock, IsSetForwardAndKeepsItsSpeed) {
+  Folder folder;
+  const fs::path file = folder.path / "clock.state";
+  SimClock clock(file, kStart, 200);
+  const TimeNs later = clock.now() + 9 * 3600 * kSecondNs;
+  clock.set_forward(later);
+  const TimeNs there = clock.now();
+  EXPECT_GE(there, later);
+  EXPECT_LT(there, later + 200 * 60 * kSecondNs);
+  EXPECT_EQ(clock.speed(), 200);
+  EXPECT_GE(SimClock(file, kStart, 1).now(), later) << "and so does the next one to open the file";
+  clock.set_forward(kStart);
+  EXPECT_GE(clock.now(), there) << "never back";
 }
 
 TEST(SimClock, RefusesAFileThatIsNoClock) {

@@ -56,6 +56,7 @@ CellServer::CellServer(boost::asio::io_context& io, Plant& plant, SimClock& cloc
     // Later: the desk may be asked to drop the very connection it is answering on.
     boost::asio::post(io_, [this, device] { servers_[device]->drop_all(); });
   };
+  hooks.pass = [this](double for_s) { return pass(for_s); };
   serve("control", std::make_unique<FaultDesk>(bench_, std::move(hooks)), "127.0.0.1:0",
         kControlClients, false);
 }
@@ -65,10 +66,18 @@ CellServer::~CellServer() = default;
 void CellServer::serve(const std::string& id, std::unique_ptr<Emulator> emulator,
                        const std::string& address, int max_clients, bool serial) {
   const std::size_t device = bench_.add(id, std::move(emulator));
+  const int counts = id == "control" ? 0 : 1;
   StreamServer::Handler handler{
-      .opened = [this, device](Session session,
-                               Link link) { bench_.open(device, session, link, clock_.now()); },
-      .closed = [this, device](Session session) { bench_.close(device, session, clock_.now()); },
+      .opened =
+          [this, device, counts](Session session, Link link) {
+            connected_ += counts;
+            bench_.open(device, session, link, clock_.now());
+          },
+      .closed =
+          [this, device, counts](Session session) {
+            connected_ -= counts;
+            bench_.close(device, session, clock_.now());
+          },
       .received = [this, device](Session session,
                                  std::string_view bytes) { received(device, session, bytes); }};
   servers_.push_back(std::make_unique<StreamServer>(io_, std::move(handler), wire_, device + 1));
@@ -83,6 +92,19 @@ void CellServer::serve(const std::string& id, std::unique_ptr<Emulator> emulator
 void CellServer::received(std::size_t device, Session session, std::string_view bytes) {
   bench_.receive(device, session, bytes, clock_.now());
   wake();
+}
+
+std::string CellServer::pass(double for_s) {
+  if (connected_ > 0)
+    return std::to_string(connected_) +
+           " connections to devices are open, whose clock would jump: end the daemon first";
+  if (!clock_.shared()) return "this cell runs on the computer's own time: start it with --speed";
+  const TimeNs from = clock_.now(), until = from + nanoseconds_from(for_s);
+  // In steps, as without this: the devices' own events and the plant's log stay as fine.
+  for (TimeNs at = from; at < until; at += kIdleStep) bench_.run_until(at);
+  bench_.run_until(until);
+  clock_.set_forward(until);
+  return "";
 }
 
 void CellServer::start() {

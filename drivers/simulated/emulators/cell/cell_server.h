@@ -24,7 +24,7 @@ class CellServer {
     bool free_ports = false;  // else the addresses of the cell file
     std::uint64_t seed = 1;
   };
-  // hooks.drop is filled in here. Throws SetupError.
+  // hooks.drop and hooks.pass are filled in here. Throws SetupError.
   CellServer(boost::asio::io_context& io, Plant& plant, SimClock& clock, const CellOutline& outline,
              const EmulatorOptions& options, FaultHooks hooks, Options how);
   ~CellServer();
@@ -39,6 +39,8 @@ class CellServer {
              int max_clients, bool serial);
   void received(std::size_t device, Session session, std::string_view bytes);
   void wake();
+  // Why not; empty: so much cell time has passed for plant and devices.
+  std::string pass(double for_s);
 
   boost::asio::io_context& io_;
   Plant& plant_;
@@ -50,6 +52,7 @@ class CellServer {
   boost::asio::steady_timer timer_;
   PlantPlaces places_;
   bool started_ = false;
+  int connected_ = 0;  // clients of devices
 };
 
 }  // namespace driftwise::simulated

@@ -14,8 +14,8 @@ constexpr std::string_view kHelp =
     "open-probe|mend-probe <input> | fault volt <input> <volts>|mend | fault lie <device> "
     "jump|scale|value <x> | fault lie <device> "
     "constant | fault clear [<device>] | fault knock <a> nm | load <newton> | open <n> s | "
-    "spacers <h> mm | substrate <rx> <ry> arcsec | microscope? <indent> | truth? | time? | "
-    "help";
+    "spacers <h> mm | substrate <rx> <ry> arcsec | microscope? <indent> | pass <n> s | truth? | "
+    "time? | help";
 constexpr const char* kUnable = "ERR this cell cannot do that";
 constexpr double kUsualShock_nm = 60;
 
@@ -56,6 +56,7 @@ std::string FaultDesk::answer(std::string_view line, TimeNs now) {
   if (words[0] == "substrate") return substrate(words, now);
   if (words[0] == "microscope?") return microscope(words);
   if (words[0] == "open") return open_box(words, now);
+  if (words[0] == "pass") return pass(words);
   if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
   return wrong("found '" + std::string(line.substr(0, 80)) + "', expected " + std::string(kHelp));
 }
@@ -108,6 +109,16 @@ std::string FaultDesk::open_box(const std::vector<std::string_view>& words, Time
     return wrong("expected open <n> s, such as open 1800 s");
   if (!hooks_.open_box) return kUnable;
   return hooks_.open_box(*seconds, now) ? "OK" : wrong("this cell has no box");
+}
+
+std::string FaultDesk::pass(const std::vector<std::string_view>& words) {
+  constexpr double kWeek_s = 7 * 86400;
+  const auto seconds = words.size() == 3 ? quantity(words, "s") : std::nullopt;
+  if (!seconds || !(*seconds >= 0 && *seconds <= kWeek_s))
+    return wrong("expected pass <n> s of at most a week, such as pass 32400 s");
+  if (!hooks_.pass) return kUnable;
+  const std::string refusal = hooks_.pass(*seconds);
+  return refusal.empty() ? "OK" : wrong(refusal);
 }
 
 std::string FaultDesk::lie(const std::vector<std::string_view>& words) {

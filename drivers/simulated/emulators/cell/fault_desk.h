@@ -24,6 +24,8 @@
 //   microscope? <indent>                the indents as a microscope shows them, from this one
 //   load <newton>                       a person changes the weights by hand
 //   open <n> s                          a person opens the box over the robot for so long
+//   pass <n> s                          so much cell time passes at once; refused while a client of
+//                                       a device is connected, whose clock would jump
 //   truth?                              what really is, as one line of JSON
 //   time?                               cell time in ns
 //   help
@@ -62,6 +64,8 @@ struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   // One line of JSON; empty: there is no such indent.
   std::function<std::string(int origin)> microscope_json;
   std::function<bool(double for_s, TimeNs now)> open_box;  // false: there is none
+  // Why it cannot be; empty: so much cell time has passed.
+  std::function<std::string(double for_s)> pass;
   std::function<std::string(TimeNs now)> truth_json;
 };
 
@@ -88,6 +92,7 @@ class FaultDesk : public Emulator {
   std::string substrate(const std::vector<std::string_view>& words, TimeNs now);
   std::string microscope(const std::vector<std::string_view>& words);
   std::string open_box(const std::vector<std::string_view>& words, TimeNs now);
+  std::string pass(const std::vector<std::string_view>& words);
   std::string hang(const std::vector<std::string_view>& words, TimeNs now);
 
   DeviceBench& bench_;

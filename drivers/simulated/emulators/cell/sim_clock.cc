@@ -73,7 +73,7 @@ void create(const std::filesystem::path& file, TimeNs boot, TimeNs wall, TimeNs 
 
 }  // namespace
 
-SimClock::SimClock(const std::filesystem::path& file, TimeNs epoch, double speed) {
+SimClock::SimClock(const std::filesystem::path& file, TimeNs epoch, double speed) : file_(file) {
   if (!std::filesystem::exists(file)) {
     const TimeNs wall = wall_now();
     create(file, boot_now(), wall, epoch == 0 ? wall : epoch, speed);
@@ -140,6 +140,18 @@ TimeNs SimClock::now() {
                           : from.cell_ns + std::llround(static_cast<double>(elapsed) * from.speed);
   last_ = std::max(last_, cell);
   return last_;
+}
+
+void SimClock::set_forward(TimeNs instant) {
+  if (instant <= now()) return;
+  const Anchor old = anchor();
+  if (mapped_ == nullptr) {
+    own_ = {boot_now(), instant, old.speed, wall_now()};
+    return;
+  }
+  create(file_, boot_now(), wall_now(), instant, old.speed);
+  ::munmap(const_cast<void*>(mapped_), kSize);
+  map(file_);
 }
 
 double SimClock::speed() const { return anchor().speed; }

@@ -6,9 +6,9 @@
 // bytes that both processes map: char magic[8] = "DWCLOCK2", u64 sequence (odd while being written;
 // a reader tries again), i64 anchor_boot_ns, i64 anchor_cell_ns, f64 speed, i64 anchor_wall_ns, u8
 // boot[16] (which start of the computer); all little-endian. The simulated cell creates it, the
-// daemon alone rewrites it later; a wait computed from the speed may therefore turn out wrong and
-// must be looked at again. Own implementation: the plant's side shares no code with the daemon. One
-// thread.
+// daemon alone rewrites it while it runs; a wait computed from the speed may therefore turn out
+// wrong and must be looked at again. Own implementation: the plant's side shares no code with the
+// daemon. One thread.
 
 #include <chrono>
 #include <cstdint>
@@ -36,6 +36,10 @@ class SimClock {
   double speed() const;
   // How long to wait on the wall for the instant at the present speed; 0 when it has passed.
   std::chrono::nanoseconds wall_until(TimeNs instant);
+  // Sets cell time forward to an instant, at the present speed; an instant that has passed changes
+  // nothing. The file is made anew: a process that has mapped the old one does not see it, so none
+  // may run. Throws SetupError: cannot be written.
+  void set_forward(TimeNs instant);
   // Whether somebody else may change the speed while we wait.
   bool shared() const { return mapped_ != nullptr; }
 
@@ -51,6 +55,7 @@ class SimClock {
   void map(const std::filesystem::path& file);
   Anchor anchor() const;
   Anchor own_;  // without a file
+  std::filesystem::path file_;
 
   const void* mapped_ = nullptr;
   TimeNs last_ = INT64_MIN;
