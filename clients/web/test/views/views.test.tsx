@@ -169,6 +169,20 @@ describe('targets', () => {
     expect(await screen.findByText('a number in mm is expected')).toBeTruthy();
     expect(field.value).toBe('0.2x');
   });
+  it.each([['typed', '/targets?x=0.2', '0.2x'], ['in the address', '/targets?x=abc', undefined]])('shows no target and moves nowhere while a field is no number: %s', async (_, address, text) => {
+    show(address, Targets);
+    const field = (await screen.findByLabelText('x, mm')) as HTMLInputElement;
+    if (text) fireEvent.input(field, { target: { value: text } });
+    expect(await screen.findByText('no target: x is not read, a number in mm is expected')).toBeTruthy();
+    expect(screen.queryByRole('button', { name: /Move there|Copy/ })).toBeNull();
+    fireEvent.input(field, { target: { value: '0.2' } });
+    expect(await screen.findByText(/^0\.199\s987\s31/)).toBeTruthy();
+    expect(screen.getByRole('button', { name: /Move there/ })).toBeTruthy();
+  });
+  it('asks for the number that a decimal comma in the address means', async () => {
+    show('/targets?x=0,2', Targets);
+    expect(await screen.findByText(/^0\.199\s987\s31/)).toBeTruthy();
+  });
   it('says why there are none and what to do', async () => {
     useTransport(fakeDaemon({ noModel: true }));
     show('/targets', Targets);
