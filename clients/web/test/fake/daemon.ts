@@ -103,6 +103,8 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
       listAlarms: () => ({ alarms: wishes.alarms ?? [fakeAlarm] }),
       acknowledgeAlarm: ({ alarmId }) => ({ alarm: { ...(wishes.alarms?.find((one) => one.id === alarmId) ?? fakeAlarm), acknowledgeTime: timestampOf(fakeNowMs), acknowledgedBy: 'Anna' } }),
       getSeries: ({ channels, fromTime, toTime, bucketCount }) => {
+        const twice = channels.find((name, i) => channels.indexOf(name) !== i);
+        if (twice) throw new ConnectError(`channels: ${twice} is named twice`, Code.InvalidArgument);
         const from = Number(fromTime?.seconds ?? 0n) * 1000;
         const to = Number(toTime?.seconds ?? 0n) * 1000;
         const at = Array.from({ length: bucketCount }, (_, i) => (from + ((i + 0.5) / bucketCount) * (to - from) - startMs) / 3600e3);
