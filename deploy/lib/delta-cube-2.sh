@@ -1,6 +1,7 @@
 # Chapter 2 of the published study: the predecessors' Delta Cube 2, measured in three configurations. Sourced by demo.sh.
 
 default_speed=300
+ask_words='driftwise model grow joined.csv --together line'
 
 formula='q ~ poly(x, y, z, 3)'
 
