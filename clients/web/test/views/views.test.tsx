@@ -141,6 +141,16 @@ describe('models', () => {
   });
 });
 
+describe('a geometry as a model', () => {
+  it('has no empty figures, and no C that would be refused', async () => {
+    show('/models/30', Models);
+    expect(await screen.findByText(/imported, no data judged it, 2026/)).toBeTruthy();
+    expect(screen.getByRole('button', { name: 'Export JSON' })).toBeTruthy();
+    expect(screen.queryByRole('button', { name: 'Export C' })).toBeNull();
+    expect(document.querySelector('.models-heading')).toBeNull();
+  });
+});
+
 describe('targets', () => {
   it('gives motor coordinates in groups of digits, with uncertainty and parts', async () => {
     show('/targets?x=0.2', Targets);
@@ -188,6 +198,7 @@ describe('targets', () => {
     show('/targets', Targets);
     expect(await screen.findByText(/No model serves/)).toBeTruthy();
     expect(screen.getByRole('link', { name: 'Promote a model' })).toBeTruthy();
+    expect(screen.getByRole('link', { name: 'joint target' }).getAttribute('href')).toBe('/plans');
   });
 });
 

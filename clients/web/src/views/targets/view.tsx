@@ -33,7 +33,7 @@ export default function Targets() {
     <>
       <ViewTitle sub={model ? <>by <a href={`/models/${model.id}`}>model {String(model.id)}</a>, <code>{model.formula}</code></> : undefined}>Targets</ViewTitle>
       {asked.failure && <Failed asked="Find the model that serves" failure={asked.failure} again={asked.again} />}
-      {model === null && <Empty next={<a href="/models">Promote a model</a>}>No model serves, so there are no targets{cell.value ? ` in cell ${cell.value.cellName}` : ''}.</Empty>}
+      {model === null && <Empty next={<><a href="/models">Promote a model</a>, or ask for a <a href="/plans">joint target</a> of a serving plan</>}>No model serves, so there are no targets{cell.value ? ` in cell ${cell.value.cellName}` : ''}.</Empty>}
       {model ? <Served model={model} /> : model === undefined && !asked.failure && <Awaiting what="the model that serves" />}
     </>
   );
