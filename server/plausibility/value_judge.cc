@@ -23,10 +23,14 @@ double seconds_between(CellTime from, CellTime to) {
 
 }  // namespace
 
-int frozen_limit(const ChannelLimit& limit, int longest_equal, int changes) {
+int frozen_limit(const ChannelLimit& limit, const EqualAnswers& before) {
   if (limit.frozen_answers >= 0) return limit.frozen_answers;
-  if (changes < kChangesToKnow) return 0;
-  return std::max(kFewestEqual, 3 * longest_equal + 2);
+  if (before.changes < kChangesToKnow) return 0;
+  // Share of the answers that repeated the one before, by Laplace's rule of succession.
+  const double answers = static_cast<double>(before.answers);
+  const double repeats = std::clamp((answers - before.changes + 1) / (answers + 2), 0.0, 0.999);
+  const double by_chance = std::ceil(std::log(kByChance) / std::log(std::max(repeats, 1e-6)));
+  return std::max({kFewestEqual, 3 * before.longest + 2, static_cast<int>(by_chance)});
 }
 
 ValueJudge::Track& ValueJudge::track_of(const DeviceDescription& device,
@@ -119,7 +123,7 @@ std::optional<Finding> ValueJudge::judge_step(Track& track, const ChannelValue& 
 
 std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue& value,
                                                CellTime at) const {
-  const int limit = frozen_limit(track.limit, track.longest_equal, track.changes);
+  const int limit = frozen_limit(track.limit, {track.longest_equal, track.changes, track.answers});
   if (track.equal && track.equal->value == value.value) {
     ++track.equal_count;
   } else {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "server/plausibility/frozen_in_motion.h"
 #include "tests/unit/plausibility/cells.h"
@@ -128,6 +129,37 @@ TEST_F(Judge, AFrozenValueIsFoundByTheChannelsOwnNoise) {
   EXPECT_EQ(frozen_after, kFewestEqual - 1);
   EXPECT_EQ(say(10 * ++k, 20.0005), "frozen");
   EXPECT_EQ(say(10 * ++k, 20.0015), "");
+}
+
+// An air probe of 0.01 K in a quiet room: three answers in four repeat the one before.
+TEST_F(Judge, AChannelThatOftenRepeatsItselfIsNotFrozenByTheChanceOfItsFirstMinutes) {
+  int false_alarms = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    ValueJudge fresh(description);
+    std::mt19937 random(seed);
+    std::bernoulli_distribution changes(0.25), up(0.5);
+    double degc = 20;
+    for (int k = 0; k < 600; ++k) {
+      if (changes(random)) degc += up(random) == (degc < 20.05) ? 0.01 : -0.01;
+      auto reading = scan(10 * k, {degc, 20.1, 20.2, 20.3});
+      fresh.judge(reading);
+      false_alarms += test_of(reading, "t01_degC") == "frozen";
+    }
+  }
+  EXPECT_EQ(false_alarms, 0);
+}
+
+TEST_F(Judge, AChannelThatOftenRepeatsItselfIsFoundFrozenByItsRate) {
+  std::mt19937 random(7);
+  std::bernoulli_distribution changes(0.25);
+  double degc = 20;
+  int k = 0;
+  for (; k < 600; ++k) EXPECT_EQ(say(10 * k, degc += changes(random) ? 0.01 : 0), "") << k;
+  int frozen_after = 0;
+  while (say(10 * ++k, degc) == "" && ++frozen_after < 1000) {
+  }
+  EXPECT_LT(frozen_after, 100);  // 1e-9 by chance: 72 answers at 3 in 4
+  EXPECT_GT(frozen_after, 60);
 }
 
 // A controller that shows hundredths repeats itself, and longest where the room turns round: it is
