@@ -134,7 +134,9 @@ std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue&
         track.longest_equal = std::max(track.longest_equal, track.equal_count);
         track.answers += track.equal_count;
       }
-      track.finest_step = std::min(track.finest_step, std::abs(value.value - track.equal->value));
+      const double change = std::abs(value.value - track.equal->value);
+      track.finest_step = std::min(track.finest_step, change);
+      track.single_steps += change < 1.5 * track.finest_step;
     }
     track.equal = Value{value.value, at};
     track.equal_count = 1;
@@ -152,7 +154,10 @@ std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue&
 }
 
 bool ValueJudge::is_coarse(const Track& track) const {
-  return track.limit.frozen_answers < 0 && track.answers > kCoarseAnswers * track.changes;
+  if (track.limit.frozen_answers >= 0) return false;
+  if (track.answers > kCoarseAnswers * track.changes) return true;
+  return static_cast<double>(track.answers) > kRepeats * track.changes &&
+         track.single_steps >= kSingleSteps * track.changes;
 }
 
 ValueJudge::Others ValueJudge::others_of(const std::string& channel) const {

@@ -58,7 +58,8 @@ class ValueJudge {
     std::int64_t answers = 0;                                 // of the rows that are over
     bool is_frozen = false;                                   // the row of now
     double finest_step = std::numeric_limits<double>::max();  // the smallest change seen
-    Others others_then;  // of a coarse channel: its unit's at the row's begin
+    int single_steps = 0;  // changes by one such step, as far as was known then
+    Others others_then;    // of a coarse channel: its unit's at the row's begin
   };
   struct Whole {  // a scanner
     double stepped_by_k = 0;
@@ -91,8 +92,11 @@ struct EqualAnswers {
 int frozen_limit(const ChannelLimit& limit, const EqualAnswers& before);
 inline constexpr int kFewestEqual = 8, kChangesToKnow = 20;
 inline constexpr double kByChance = 1e-9;
-// A channel that answers so many times for each change has steps that hide its noise; it is frozen
-// when another one of its unit has moved by so many of its steps while it stood.
+// A channel whose steps hide its noise answers so many times for each change, or more than
+// kRepeats times with so large a share of its changes by a single step: rows are long where its
+// drift is in the middle of a step, however short they were at its edge. It is frozen when another
+// one of its unit has moved by so many of its steps while it stood.
 inline constexpr int kCoarseAnswers = 5, kStepsOfOthers = 5;
+inline constexpr double kRepeats = 1.5, kSingleSteps = 0.8;
 
 }  // namespace driftwise::plausibility
