@@ -80,7 +80,7 @@ keep_running() {
 The cell and its daemon run on.
   the page      $(page_address)
   type          cd $out && PATH=$bin:\$PATH && driftwise status
-  then          driftwise target x=1.5 --budget;   driftwise diagnose --run 1;   driftwise --help
+  then          ${ask_words:-driftwise target x=1.5 --budget};   driftwise run list;   driftwise --help
 Enter or Ctrl-C ends them.
 TXT
   if [ -t 0 ]; then read -r || true; else wait "$daemon"; fi

@@ -3,6 +3,7 @@
 source "$root/deploy/lib/set_ups.sh"
 
 default_speed=300
+ask_words='driftwise model grow joined.csv --together line'
 
 formula='q ~ poly(x, y, z, 3)'
 

@@ -1,6 +1,7 @@
 # Case B of the published study: the three-axis Agietron Micro-Nano under heat and force. Sourced by demo.sh.
 
 default_speed=200
+ask_words='driftwise target x=0.2 y=-0.1 z=1.2 force=0.392 --budget'
 proof_runs='compensated products geometry'  # runs 2 to 4
 
 geometry='poly(x, y, z, 3)' force='F + F^2 + F^3' heat='t04..t10'

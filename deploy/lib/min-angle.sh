@@ -3,6 +3,7 @@
 source "$root/deploy/lib/set_ups.sh"
 
 default_speed=200
+ask_words='driftwise plan target rx=100 ry=0 z=1'
 large='q ~ poly(rx, ry, z, 3)'
 
 # grid SET TILTS HEIGHTS: poses rx, ry (arcsec), z (mm), tilts fastest as the study's lines, a return to zero after each height

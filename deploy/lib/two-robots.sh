@@ -5,6 +5,7 @@ source "$root/deploy/lib/set_ups.sh"
 default_speed=200                        # of the calibration
 contact_speed=20                         # of the contacts: a look is half a second of cell time
 prefix=ma.
+ask_words='driftwise plan target mn.x=1 mn.y=0.5 mn.z=0.2 ma.rx=100 ma.ry=0 ma.z=1'
 fine='ma.q ~ poly(ma.rx, ma.ry, ma.z, 3)'
 
 # control LINE: the simulated cell's private port, one answer without its OK

@@ -121,12 +121,14 @@ Awaitable<Result<void>> Link::tell(std::string command, Nanoseconds timeout) {
 
 Awaitable<Result<std::string>> Link::talk(std::string request, Nanoseconds timeout, int replies) {
   Running running(*this);
-  still_there();  // drops stale bytes; a broken line shows in the write
+  const bool there = still_there();  // drops stale bytes
   const auto started = SteadyClock::now();
   start_timer(clock_.wall_from(timeout, kShortestTimeout));
   ++health_.exchanges;
 
-  error_code error = (co_await stream_->write(request)).error;
+  // A line that the other side has closed meanwhile is closed here as well by now.
+  error_code error = asio::error::connection_reset;
+  if (there) error = (co_await stream_->write(request)).error;
   std::size_t length = 0;  // of the complete replies at the front of buffer_
   while (!error && interruption_ == Interruption::none) {
     while (replies > 0) {

@@ -267,6 +267,7 @@ class Join {
       return fail(ErrorCode::invalid_argument, reasons::kNoCommonRows,
                   fmt::format("{} of {} rows are in all of {}: a join needs half of them at least",
                               rows_.row.size(), all, names_of(parts_)));
+    DRIFTWISE_RETURN_IF_ERROR(check_measured_once(parts_, rows_));
     return check_conditions(parts_, rules_, out_.report);
   }
 

@@ -215,6 +215,28 @@ Result<void> check_targets(const JoinPart& part) {
   return {};
 }
 
+// Values of one channel are the same in all matched rows; missing in both counts as the same.
+bool is_same(const DatasetColumn& a, const DatasetColumn& b, const MatchedRows& rows,
+             std::size_t part_a, std::size_t part_b) {
+  for (std::size_t k = 0; k < rows.row.size(); ++k) {
+    const double one = a.values[rows.index[part_a][k]], other = b.values[rows.index[part_b][k]];
+    if (is_missing(one) != is_missing(other)) return false;
+    if (!is_missing(one) && one != other) return false;
+  }
+  return true;
+}
+
+bool is_one_measurement(const JoinParts& parts, const MatchedRows& rows, std::size_t a,
+                        std::size_t b) {
+  bool pose = false;
+  for (const auto& column : parts[a].data.columns) {
+    const auto* other = parts[b].data.find(column.channel.symbol);
+    if (other == nullptr) continue;
+    if (other->channel != column.channel || !is_same(column, *other, rows, a, b)) return false;
+    pose = pose || is_pose_symbol(column.channel.symbol);
+  }
+  return pose;
+}
 }  // namespace
 
 JoinCheck difference_of(const JoinParts& parts, const MatchedRows& rows, std::size_t a,
@@ -246,6 +268,18 @@ JoinCheck difference_of(const JoinParts& parts, const MatchedRows& rows, std::si
       check.largest_row = row[k];
     }
   return check;
+}
+
+Result<void> check_measured_once(const JoinParts& parts, const MatchedRows& rows) {
+  for (std::size_t a = 0; a < parts.size(); ++a)
+    for (std::size_t b = a + 1; b < parts.size(); ++b)
+      if (is_one_measurement(parts, rows, a, b))
+        return fail(ErrorCode::invalid_argument, reasons::kNothingToJoin,
+                    fmt::format("part {} ({}) and part {} ({}) are the same measurement: all {} "
+                                "rows that both have are equal to the last digit. Name each "
+                                "measurement once",
+                                a + 1, parts[a].name, b + 1, parts[b].name, rows.row.size()));
+  return {};
 }
 
 Result<void> check_rows_shifted(const JoinParts& parts, const MatchedRows& rows) {

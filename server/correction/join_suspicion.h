@@ -18,6 +18,11 @@ JoinCheck difference_of(const JoinParts& parts, const MatchedRows& rows, std::si
                         std::size_t b, const Channel& of_a, const Channel& of_b,
                         std::ptrdiff_t shift = 0);
 
+// Two parts whose values are the same to the last bit in every channel that both have, at least one
+// of them a pose coordinate: one measurement given twice, which would be joined with an uncertainty
+// of 0. Errors: invalid_argument NOTHING_TO_JOIN.
+Result<void> check_measured_once(const JoinParts& parts, const MatchedRows& rows);
+
 // Rows of a part whose pose belongs to the motor coordinates of a neighbouring row; rows of two
 // parts that agree only when one is moved by some rows. Errors: failed_precondition ROWS_SHIFTED.
 Result<void> check_rows_shifted(const JoinParts& parts, const MatchedRows& rows);

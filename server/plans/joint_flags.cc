@@ -48,6 +48,18 @@ void append_coordinates(std::string& out, std::string_view robot, std::uint32_t 
     append_channel(out, robot, compensation::name_of(static_cast<Variable>(v)));
   }
 }
+// With the id of the robot that the request named; those that it stated for any robot have none.
+void append_ignored(std::string& out, const JointSnapshot& snapshot, const JointTarget& target,
+                    char between) {
+  bool first = true;
+  for (std::size_t r = 0; r < target.ignored.size(); ++r) {
+    if (target.ignored[r] == 0) continue;
+    if (!std::exchange(first, false)) out += between;
+    const bool named = r < snapshot.robots.size();
+    append_coordinates(out, named ? std::string_view(snapshot.robots[r].id) : "", target.ignored[r],
+                       between);
+  }
+}
 std::string coordinates_text(std::string_view robot, std::uint32_t bits) {
   std::string out;
   append_coordinates(out, robot, bits, ' ');
@@ -243,8 +255,8 @@ void append_joint_flags(std::string& out, const JointSnapshot& snapshot, const J
     if ((answer.flags & compensation::kUnknownLimits) != 0)
       text.add("UNKNOWN_LIMITS", [&] { append_axes(out, robot, answer.unlimited); });
   }
-  if (target.ignored != 0)
-    text.add("IGNORED_COORDINATE", [&] { append_coordinates(out, "", target.ignored, between); });
+  if (std::ranges::any_of(target.ignored, [](std::uint32_t bits) { return bits != 0; }))
+    text.add("IGNORED_COORDINATE", [&] { append_ignored(out, snapshot, target, between); });
 }
 
 std::vector<std::string> describe_joint_flags(const JointSnapshot& snapshot,

@@ -45,7 +45,7 @@ bool resolve(const JointSnapshot& snapshot, const JointRequest& request, JointTa
   for (std::size_t r = 0; r < snapshot.robots.size(); ++r) {
     const auto& robot = snapshot.robots[r];
     known |= robot.stated;
-    target.ignored |= request.given[r] & ~robot.stated;
+    target.ignored[r] = request.given[r] & ~robot.stated;
     for (std::size_t v = 0; v < compensation::kVariables; ++v) {
       const std::uint32_t mark = std::uint32_t{1} << v;
       if ((robot.stated & mark) == 0) continue;
@@ -72,7 +72,7 @@ bool resolve(const JointSnapshot& snapshot, const JointRequest& request, JointTa
       target.robot[r].pose[v] = value;
     }
   }
-  target.ignored |= request.given[kShared] & ~known;
+  target.ignored[kShared] = request.given[kShared] & ~known;
   return true;
 }
 

@@ -74,7 +74,8 @@ struct JointTarget {
   // Of the steps, by step: flags and bits of the inputs of its model.
   std::array<std::uint32_t, kMostSteps> step_flags{};
   std::array<std::uint64_t, kMostSteps> step_outside{}, step_stale{}, step_missing{};
-  std::uint32_t ignored = 0;  // bits of coordinates that no model depends on
+  // Bits of stated coordinates that no model depends on, as JointRequest::given.
+  std::array<std::uint32_t, kMostRobots + 1> ignored{};
   CellTime valid_until;
 
   compensation::Refusal refusal = compensation::Refusal::none;

@@ -23,10 +23,14 @@ double seconds_between(CellTime from, CellTime to) {
 
 }  // namespace
 
-int frozen_limit(const ChannelLimit& limit, int longest_equal, int changes) {
+int frozen_limit(const ChannelLimit& limit, const EqualAnswers& before) {
   if (limit.frozen_answers >= 0) return limit.frozen_answers;
-  if (changes < kChangesToKnow) return 0;
-  return std::max(kFewestEqual, 3 * longest_equal + 2);
+  if (before.changes < kChangesToKnow) return 0;
+  // Share of the answers that repeated the one before, by Laplace's rule of succession.
+  const double answers = static_cast<double>(before.answers);
+  const double repeats = std::clamp((answers - before.changes + 1) / (answers + 2), 0.0, 0.999);
+  const double by_chance = std::ceil(std::log(kByChance) / std::log(std::max(repeats, 1e-6)));
+  return std::max({kFewestEqual, 3 * before.longest + 2, static_cast<int>(by_chance)});
 }
 
 ValueJudge::Track& ValueJudge::track_of(const DeviceDescription& device,
@@ -119,7 +123,7 @@ std::optional<Finding> ValueJudge::judge_step(Track& track, const ChannelValue& 
 
 std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue& value,
                                                CellTime at) const {
-  const int limit = frozen_limit(track.limit, track.longest_equal, track.changes);
+  const int limit = frozen_limit(track.limit, {track.longest_equal, track.changes, track.answers});
   if (track.equal && track.equal->value == value.value) {
     ++track.equal_count;
   } else {
@@ -130,7 +134,9 @@ std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue&
         track.longest_equal = std::max(track.longest_equal, track.equal_count);
         track.answers += track.equal_count;
       }
-      track.finest_step = std::min(track.finest_step, std::abs(value.value - track.equal->value));
+      const double change = std::abs(value.value - track.equal->value);
+      track.finest_step = std::min(track.finest_step, change);
+      track.single_steps += change < 1.5 * track.finest_step;
     }
     track.equal = Value{value.value, at};
     track.equal_count = 1;
@@ -148,7 +154,10 @@ std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue&
 }
 
 bool ValueJudge::is_coarse(const Track& track) const {
-  return track.limit.frozen_answers < 0 && track.answers > kCoarseAnswers * track.changes;
+  if (track.limit.frozen_answers >= 0) return false;
+  if (track.answers > kCoarseAnswers * track.changes) return true;
+  return static_cast<double>(track.answers) > kRepeats * track.changes &&
+         track.single_steps >= kSingleSteps * track.changes;
 }
 
 ValueJudge::Others ValueJudge::others_of(const std::string& channel) const {

@@ -58,7 +58,8 @@ class ValueJudge {
     std::int64_t answers = 0;                                 // of the rows that are over
     bool is_frozen = false;                                   // the row of now
     double finest_step = std::numeric_limits<double>::max();  // the smallest change seen
-    Others others_then;  // of a coarse channel: its unit's at the row's begin
+    int single_steps = 0;  // changes by one such step, as far as was known then
+    Others others_then;    // of a coarse channel: its unit's at the row's begin
   };
   struct Whole {  // a scanner
     double stepped_by_k = 0;
@@ -78,12 +79,24 @@ class ValueJudge {
   std::map<std::string, Whole> scanners_;
 };
 
-// Equal answers in a row that make a channel frozen, from what it did before: more than three times
-// the longest row seen, and at least kFewestEqual; 0 (not known) before kChangesToKnow changes.
-int frozen_limit(const ChannelLimit& limit, int longest_equal, int changes);
+// What a channel did before the row of now.
+struct EqualAnswers {
+  int longest = 0, changes = 0;
+  std::int64_t answers = 0;
+};
+// Equal answers in a row that make a channel frozen: more than three times the longest row seen,
+// more than its own rate of repetition makes with a chance of kByChance, and at least kFewestEqual;
+// 0 (not known) before kChangesToKnow changes. The longest row alone says too little at first: of
+// 20 rows of a channel that repeats itself three times in four the longest has some 12 answers, of
+// 5000 rows 30.
+int frozen_limit(const ChannelLimit& limit, const EqualAnswers& before);
 inline constexpr int kFewestEqual = 8, kChangesToKnow = 20;
-// A channel that answers so many times for each change has steps that hide its noise; it is frozen
-// when another one of its unit has moved by so many of its steps while it stood.
+inline constexpr double kByChance = 1e-9;
+// A channel whose steps hide its noise answers so many times for each change, or more than
+// kRepeats times with so large a share of its changes by a single step: rows are long where its
+// drift is in the middle of a step, however short they were at its edge. It is frozen when another
+// one of its unit has moved by so many of its steps while it stood.
 inline constexpr int kCoarseAnswers = 5, kStepsOfOthers = 5;
+inline constexpr double kRepeats = 1.5, kSingleSteps = 0.8;
 
 }  // namespace driftwise::plausibility

@@ -70,6 +70,17 @@ for (const [path, title] of views) {
   });
 }
 
+// The views above are measured when they have their answers; the tools of a plot come with its record, and the hash of the cell file
+// with the model.
+for (const [path, last] of [['/runs/1?tab=plots', 'Deviation from the start'], ['/models/1', 'measured under cell file']]) {
+  test(`${path} fits a phone once everything is there`, { timeout: 60_000 }, async () => {
+    const page = await browser.page(path, { width: 390, height: 844 });
+    await page.getByText(last).first().waitFor();
+    assert.ok((await overflow(page)) <= 0, `wider than 390 px by ${await overflow(page)}`);
+    await page.close();
+  });
+}
+
 // An axis that grows with t01; t02 and t03 wander by themselves.
 function warmAxis(rows = 120) {
   const lines = ['time_s,set,line,zero,dwell_s,q1_mm,x_mm,t01_degC,t02_degC,t03_degC'];

@@ -45,11 +45,12 @@ void add_devices(const CellStatus& status, std::vector<AlarmCondition>& out,
   }
 }
 
-// Weights that are on their way have no force to be read; what measures the pose belongs to a run
-// under way, which reads it at its points.
+// Weights that are on their way have no force to be read; what measures the pose, and what moves
+// the axes, belongs to a run under way, which reads it at its points. Of a robot that the run does
+// not measure it reads nothing.
 bool is_read_later(const CellStatus& status, const DeviceDescription& device) {
   if (!status.run) return false;
-  if (measures_pose(device.role())) return true;
+  if (is_read_by_runs(device.role())) return true;
   return device.role() == DeviceRole::load && status.run->phase == kChangingTheForce;
 }
 
@@ -160,10 +161,17 @@ void QualityTrend::take(const RunProgress& progress) {
   accepted_ = progress.run.accepted;
   spreads_nm_.push_back(progress.last_spread_nm);
   attempts_.push_back(progress.run.attempts);
-  if (spreads_nm_.size() <= kPoints) return;
-  attempts_before_ = attempts_.front();
-  spreads_nm_.erase(spreads_nm_.begin());
-  attempts_.erase(attempts_.begin());
+  if (spreads_nm_.size() > kPoints) {
+    attempts_before_ = attempts_.front();
+    spreads_nm_.erase(spreads_nm_.begin());
+    attempts_.erase(attempts_.begin());
+  }
+  if (spreads_nm_.size() < kPoints) return;
+  many_attempts_ = attempts_each() > (many_attempts_ ? kFewAttempts : kManyAttempts);
+}
+
+double QualityTrend::attempts_each() const {
+  return static_cast<double>(attempts_.back() - attempts_before_) / kPoints;
 }
 
 std::optional<AlarmCondition> QualityTrend::condition(double max_spread_nm) const {
@@ -171,13 +179,12 @@ std::optional<AlarmCondition> QualityTrend::condition(double max_spread_nm) cons
   std::vector<double> sorted = spreads_nm_;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double attempts_each = static_cast<double>(attempts_.back() - attempts_before_) / kPoints;
-  if (*middle <= 0.8 * max_spread_nm && attempts_each <= 1.5) return std::nullopt;
+  if (*middle <= 0.8 * max_spread_nm && !many_attempts_) return std::nullopt;
   return AlarmCondition{
       AlarmLevel::warning, "gate.spread", run_subject(run_),
       fmt::format("the last {} points of run {} have a median spread of {:.1f} nm (limit {:g} nm) "
                   "and took {:.1f} attempts each: look for turbulence or vibration",
-                  kPoints, run_.value, *middle, max_spread_nm, attempts_each)};
+                  kPoints, run_.value, *middle, max_spread_nm, attempts_each())};
 }
 
 }  // namespace driftwise::application

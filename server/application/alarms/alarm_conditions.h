@@ -21,15 +21,20 @@ std::vector<AlarmCondition> alarm_conditions(const CellStatus& status);
 class QualityTrend {
  public:
   static constexpr std::size_t kPoints = 20;
+  static constexpr double kManyAttempts = 1.5, kFewAttempts = 1.25;
 
   void take(const RunProgress& progress);
   // gate.spread: the median spread of the last 20 accepted points is above 80 % of the limit, or
-  // they took more than 1.5 attempts each.
+  // they took more than kManyAttempts each. It is over once they took kFewAttempts at most: about
+  // one limit it would begin and end with every other point.
   std::optional<AlarmCondition> condition(double max_spread_nm) const;
 
  private:
+  double attempts_each() const;
+
   RunId run_;
   std::int64_t accepted_ = 0;
+  bool many_attempts_ = false;
   std::vector<double> spreads_nm_;      // of the last points, oldest first
   std::vector<std::int64_t> attempts_;  // of the run, when each of them was accepted
   std::int64_t attempts_before_ = 0;    // ... and before the oldest

@@ -156,7 +156,7 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
     std::erase_if(out, [&](const AlarmCondition& one) {
       const auto* device =
           one.kind == "channel.stale" ? description_.find_device(one.device) : nullptr;
-      return device != nullptr && measures_pose(device->role()) &&
+      return device != nullptr && is_read_by_runs(device->role()) &&
              seconds_from(clock_.now().utc - last->run.ended) <= device->max_age_s;
     });
   for (auto& stop : stops_.unconfirmed())

@@ -60,6 +60,10 @@ std::vector<std::string> temperature_questions(const calibration::Model& model,
 
 std::vector<std::string> accuracy_questions(const calibration::Model& model,
                                             const std::vector<RunMetadata>& of_its_runs) {
+  if (model.geometry && model.geometry->covariance.size() == 0)
+    return {
+        "it is a robot file as it was imported: no data judged it, so that neither its domain nor "
+        "its uncertainty is known (model import --data judges it)"};
   std::vector<WantedAccuracy> wanted;
   for (const auto& metadata : of_its_runs)
     for (const auto& item : metadata)

@@ -27,6 +27,7 @@ std::vector<std::string> configuration_questions(
 
 // A model of runs whose campaign states a wanted accuracy (server/core/records/wanted_accuracy.h,
 // of several runs the smallest): outputs that miss it, or that it was judged on no validation rows.
+// A robot's geometry that no data judged: that.
 std::vector<std::string> accuracy_questions(const calibration::Model& model,
                                             const std::vector<RunMetadata>& of_its_runs);
 

@@ -10,7 +10,7 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kJudgeBlocks = 20;
+constexpr std::size_t kJudgeBlocks = 20, kFewestBlocks = 4;
 
 Eigen::VectorXd fitted_elsewhere(const SoftBase& base, const Eigen::VectorXd& measured,
                                  const std::vector<std::size_t>& learn) {
@@ -71,9 +71,9 @@ HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Soft
   HeldOut result{figures_of(judged_before), figures_of(judged), {}, {}};
   // Jackknife over contiguous blocks: autocorrelation stays inside them.
   const auto n = static_cast<std::size_t>(judged.size());
-  const std::size_t blocks = std::min(kJudgeBlocks, n / 4);
+  const std::size_t blocks = std::min(kJudgeBlocks, std::max(n / 4, std::min(n, kFewestBlocks)));
   std::vector<ErrorFigures> without;
-  for (std::size_t k = 0; k < blocks && blocks >= 4; ++k) {
+  for (std::size_t k = 0; k < blocks && blocks >= kFewestBlocks; ++k) {
     std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < n; ++i)
       if (i * blocks / n != k) kept.push_back(i);

@@ -51,7 +51,10 @@ Result<void> read_word(std::string_view word, bool& with_uncertainty, bool& aske
     return {};
   }
   double value = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  // A plus sign as printf("%+f") writes it; from_chars knows none.
+  const bool has_plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  const auto [end, code] =
+      std::from_chars(text.data() + (has_plus ? 1 : 0), text.data() + text.size(), value);
   if (code != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
     return bad(reasons::kBadNumber, std::string(name) + ": found " + shown(text) +
                                         ", expected a finite number such as 1.5");

@@ -230,9 +230,11 @@ class Expander {
       for (const auto& channel : channels_)
         if (is_structure_temperature(channel)) symbols.push_back(channel.symbol);
       if (symbols.empty())
-        return unknown(node.at,
-                       "T stands for the structure temperatures tNN_degC and there are none, " +
-                           known_symbols(channels_));
+        return unknown(
+            node.at,
+            "T stands for the structure temperatures (channels in degC or K, such as t07_degC) and "
+            "there are none, " +
+                known_symbols(channels_));
       return symbols;
     }
     if (node.name == "R" && !has("R")) {

@@ -169,7 +169,7 @@ TEST_F(ArmModel, OfARobotFileAloneServesAndSaysThatNothingJudgedIt) {
   EXPECT_EQ(
       number_of(cell.ask({"model", "import", file_of("found.toml", robot), "--name", "found"})), id)
       << "the same again is the same model";
-  cell.say({"model", "promote", id});
+  cell.say({"model", "promote", id, "--yes"});
   expect_reached(robot, kPosture, by_grpc(robot, kPosture, kClose));
   EXPECT_THAT(answer.at("flags"), Contains("unjudged_model"));
   EXPECT_TRUE(answer.at("coordinates").at(0).at("joint").at("u_arcsec").is_null());

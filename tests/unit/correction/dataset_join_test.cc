@@ -420,6 +420,23 @@ TEST(DatasetJoin, RefusesWhatIsNoJoin) {
   EXPECT_EQ(refusal(parts).reason, "NO_COMMON_ROWS");
 }
 
+TEST(DatasetJoin, RefusesOneMeasurementGivenTwice) {
+  auto parts = three();
+  parts.push_back(parts[1]);
+  parts[3].name = "copy";
+  const auto refused = refusal(parts);
+  EXPECT_EQ(refused.reason, "NOTHING_TO_JOIN");
+  EXPECT_THAT(refused.message, HasSubstr("part 2 (second) and part 4 (copy) are the same"));
+}
+
+TEST(DatasetJoin, TakesASecondSessionWithTheSameCommandedCoordinates) {
+  auto parts = three();  // a controller that says what it was told instead of what it read
+  for (auto& column : parts[1].data.columns)
+    if (is_motor_symbol(column.channel.symbol))
+      column.values = parts[0].data.find(column.channel.symbol)->values;
+  EXPECT_TRUE(join(parts, {}));
+}
+
 TEST(DatasetJoin, FindsRowsByTheirNumberWhateverTheOrderOfTheVisit) {
   auto parts = three();
   auto& late = parts[1];  // row 8 was given to the end of its run

@@ -116,6 +116,17 @@ TEST_F(TcpLink, NoticesALineClosedWhileNobodyAsked) {
   EXPECT_EQ(*ask(*link, "B\n"), "b\n");
 }
 
+TEST_F(TcpLink, SaysThatTheLineWasClosedWhileNobodyAsked) {
+  peer.on_connection({expect("A\n"), send("a\n"), hang_up()});
+  auto link = connected();
+  EXPECT_TRUE(ask(*link, "A\n"));
+  let_pass(20ms);
+  const auto reply = ask(*link, "B\n");
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().reason, "LINK_LOST");
+  EXPECT_THAT(reply.error().message, HasSubstr("Connection reset by peer"));  // not EBADF
+}
+
 TEST_F(TcpLink, SaysThatTheLineBroke) {
   peer.on_connection({expect("A\n"), send("x"), hang_up()});
   auto link = connected();

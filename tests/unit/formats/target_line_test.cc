@@ -50,10 +50,19 @@ INSTANTIATE_TEST_SUITE_P(
         TargetLineMistake{"Empty", "TARGET x_mm=", "BAD_NUMBER", "x_mm: found ''"},
         TargetLineMistake{"Nan", "TARGET x_mm=nan", "BAD_NUMBER", "found 'nan'"},
         TargetLineMistake{"Huge", "TARGET x_mm=1e400", "BAD_NUMBER", "found '1e400'"},
+        TargetLineMistake{"TwoSigns", "TARGET x_mm=+-1", "BAD_NUMBER", "found '+-1'"},
+        TargetLineMistake{"SignAlone", "TARGET x_mm=+", "BAD_NUMBER", "found '+'"},
         TargetLineMistake{"Comma", "TARGET x_mm=1,5", "BAD_NUMBER", "found '1,5'"},
         TargetLineMistake{"Flag", "TARGET x_mm=1 u=yes", "BAD_FLAG",
                           "u: found 'yes', expected 0 or 1"}),
     [](const auto& row) { return std::string(row.param.name); });
+
+TEST(ParseTargetLine, TakesANumberWithAPlusSignAsPrintfWritesIt) {
+  const auto request = parse_target_line("TARGET x_mm=+1.5e-3 y_mm=+.5");
+  ASSERT_TRUE(request) << request.error().message;
+  EXPECT_EQ(request->value[0], 1.5e-3);
+  EXPECT_EQ(request->value[1], 0.5);
+}
 
 TEST(ParseTargetLine, RefusesALineBeyondTheLimit) {
   EXPECT_EQ(parse_target_line("TARGET " + std::string(kMaxTargetLine, ' ')).error().reason,

@@ -81,7 +81,7 @@ TEST(JointLine, AllocatesNothingFromTheQuestionToTheAnswer) {
   for (int i = 0; i < 100; ++i) ask(kLine);
   EXPECT_EQ(allocations - before, 0);
   for (const char* flag : {"BLENDED(ma)", "OUTSIDE_DOMAIN(mn.x_mm)",
-                           "MISSING_TEMPERATURE(t05_degC)", "IGNORED_COORDINATE(force_N)"})
+                           "MISSING_TEMPERATURE(t05_degC)", "IGNORED_COORDINATE(mn.force_N)"})
     EXPECT_NE(out.find(flag), std::string::npos) << flag << " in " << out;
 }
 

@@ -217,9 +217,10 @@ TEST_F(JointTargets, SayWhatTheRequestLacksOrHoldsTooMuch) {
                            {"z_mm", 0.5},
                            {"rx_arcsec", 10},
                            {"ry_arcsec", 20},
-                           {"mn.rz_arcsec", 1}});
+                           {"mn.rz_arcsec", 1},
+                           {"ma.x_mm", 1}});
   EXPECT_THAT(describe_joint_flags(snapshot, target),
-              Contains(std::string("IGNORED_COORDINATE(rz_arcsec)")));
+              Contains(std::string("IGNORED_COORDINATE(mn.rz_arcsec ma.x_mm)")));
   EXPECT_EQ(joint_name(snapshot, "mx.x_mm").error().reason, "UNKNOWN_NAME");
   EXPECT_THAT(joint_name(snapshot, "x_nm").error().message, HasSubstr("robots: mn, ma"));
   auto plan = joint_plan();

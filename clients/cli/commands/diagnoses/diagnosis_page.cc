@@ -81,12 +81,9 @@ void print_finding(const Console& console, const v1::Finding& finding) {
     console.out << '\n';
   }
   if (finding.indistinguishable_from().empty()) return;
-  console.out << "   cannot be told apart from:";
-  const char* between = " ";
-  for (const auto& other : finding.indistinguishable_from()) {
-    console.out << between << other;
-    between = "; ";
-  }
+  console.out << "   cannot be told apart from: ";
+  for (int i = 0; i < finding.indistinguishable_from_size(); ++i)
+    console.out << (i == 0 ? "" : "; ") << finding.indistinguishable_from(i);
   console.out << '\n';
 }
 

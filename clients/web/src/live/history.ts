@@ -77,7 +77,9 @@ class Tail {
   }
 }
 
-export function useHistory(names: readonly string[], windowS: number, buckets: number): History {
+// A name may be given twice: two instruments of one coordinate have one channel, which is asked for once.
+export function useHistory(given: readonly string[], windowS: number, buckets: number): History {
+  const names = [...new Set(given)];
   const key = names.join();
   const [tracks, setTracks] = useState<Tracks>();
   const [failure, setFailure] = useState<Failure>();

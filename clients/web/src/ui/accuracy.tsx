@@ -7,7 +7,9 @@ import { A90 } from './explained';
 
 // Three significant digits, and no more decimals than that takes: "42", "12.8", "0.574".
 export const figure = (value: number | undefined): string => significant(value, 3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
-export const meanFigure = (value: number | undefined): string => (value === undefined || !(value > 0) ? figure(value) : `+${figure(value)}`);
+// A mean that the fit makes zero is one to rounding: "+0.00000000015" would say more.
+const noMean = 1e-6;
+export const meanFigure = (value: number | undefined): string => value !== undefined && Math.abs(value) < noMean ? '0' : (value === undefined || !(value > 0) ? figure(value) : `+${figure(value)}`);
 
 const rowWords: Record<string, string> = {
   validation: 'validation rows',

@@ -20,7 +20,7 @@ import { timestampOf } from '@/format/time';
 import { at, fakeAlarm, fakeAttempts, fakeBatch, fakeNowMs, fakePoints, fakeRun, fakeStatus, fakeValue, startMs } from './cell';
 import { afterNm, beforeNm, diagnosis, improvement, rows } from './diagnoses';
 import { indentation, indentationRecord } from './indentation';
-import { model, outputs, target, termNames } from './models';
+import { geometryModel, model, outputs, target, termNames } from './models';
 import { comparison, sensorStudy } from './studies';
 import table81 from './table_8_1.json';
 
@@ -103,6 +103,8 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
       listAlarms: () => ({ alarms: wishes.alarms ?? [fakeAlarm] }),
       acknowledgeAlarm: ({ alarmId }) => ({ alarm: { ...(wishes.alarms?.find((one) => one.id === alarmId) ?? fakeAlarm), acknowledgeTime: timestampOf(fakeNowMs), acknowledgedBy: 'Anna' } }),
       getSeries: ({ channels, fromTime, toTime, bucketCount }) => {
+        const twice = channels.find((name, i) => channels.indexOf(name) !== i);
+        if (twice) throw new ConnectError(`channels: ${twice} is named twice`, Code.InvalidArgument);
         const from = Number(fromTime?.seconds ?? 0n) * 1000;
         const to = Number(toTime?.seconds ?? 0n) * 1000;
         const at = Array.from({ length: bucketCount }, (_, i) => (from + ((i + 0.5) / bucketCount) * (to - from) - startMs) / 3600e3);
@@ -148,7 +150,7 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
     service(ModelService, {
       listModels: () => ({ models: [model(11), model(12)] }),
       listPromotions: () => ({ promotions: [{ modelId: 11n, promoteTime: at(430), promotedBy: 'anna', action: Promotion_Action.PROMOTE }, { modelId: 12n, promoteTime: at(450), promotedBy: 'anna', action: Promotion_Action.PROMOTE }] }),
-      getModel: ({ modelId }) => ({ model: model(Number(modelId)), budgets: [{ place: 'centre', pose: [{ channel: 'x_mm', value: 0 }], coordinates: target(0).coordinates }], declared: [{ deviceId: 'laser-x', channel: 'x_mm', name: 'u_length_nm', value: 4.6 }] }),
+      getModel: ({ modelId }) => ({ model: modelId === 30n ? geometryModel(30) : model(Number(modelId)), budgets: [{ place: 'centre', pose: [{ channel: 'x_mm', value: 0 }], coordinates: target(0).coordinates }], declared: [{ deviceId: 'laser-x', channel: 'x_mm', name: 'u_length_nm', value: 4.6 }] }),
       compareModels: ({ modelIds }) => ({
         models: modelIds.map((id) => model(Number(id))),
         rows: termNames.map((name) => ({ channel: 'q1_mm', term: name, cells: modelIds.map(() => ({ offered: true, included: name !== 't09', coefficient: 0.12, standardError: 0.001, contributionRms: 30 })) })),

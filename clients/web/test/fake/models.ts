@@ -32,6 +32,13 @@ export function model(id: number) {
   });
 }
 
+// A robot file as it was imported: no data, no figures.
+export const geometryModel = (id: number) =>
+  create(ModelSchema, {
+    id: BigInt(id), name: 'arm, as in the robot file', formula: 'arm, as in the robot file', select: 'all', createTime: at(400 + id), createdBy: 'anna', lineage: { source: 'robot file' },
+    kinematics: { kind: 'linear-axis', robotToml: '[kinematics]\nkind = "linear-axis"\n' }, warnings: ['imported: no data judged it'],
+  });
+
 export function target(x = 0.2) {
   const beyond = Math.abs(x) > 2; // the make-believe axes travel from -2 to 2 mm
   return create(TargetSchema, {

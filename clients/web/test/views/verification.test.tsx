@@ -22,7 +22,7 @@ describe('accuracy', () => {
   });
   it('has three digits at most', () => {
     expect([12.849, 9.999, 0.57449, 3, 0].map(figure)).toEqual(['12.8', '10', '0.574', '3', '0']);
-    expect([24.31, -8].map(meanFigure)).toEqual(['+24.3', '−8']);
+    expect([24.31, -8, 1.5e-10, 0.0004].map(meanFigure)).toEqual(['+24.3', '−8', '0', '+0.0004']);
   });
 });
 

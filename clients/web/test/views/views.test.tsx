@@ -141,6 +141,16 @@ describe('models', () => {
   });
 });
 
+describe('a geometry as a model', () => {
+  it('has no empty figures, and no C that would be refused', async () => {
+    show('/models/30', Models);
+    expect(await screen.findByText(/imported, no data judged it, 2026/)).toBeTruthy();
+    expect(screen.getByRole('button', { name: 'Export JSON' })).toBeTruthy();
+    expect(screen.queryByRole('button', { name: 'Export C' })).toBeNull();
+    expect(document.querySelector('.models-heading')).toBeNull();
+  });
+});
+
 describe('targets', () => {
   it('gives motor coordinates in groups of digits, with uncertainty and parts', async () => {
     show('/targets?x=0.2', Targets);
@@ -169,11 +179,26 @@ describe('targets', () => {
     expect(await screen.findByText('a number in mm is expected')).toBeTruthy();
     expect(field.value).toBe('0.2x');
   });
+  it.each([['typed', '/targets?x=0.2', '0.2x'], ['in the address', '/targets?x=abc', undefined]])('shows no target and moves nowhere while a field is no number: %s', async (_, address, text) => {
+    show(address, Targets);
+    const field = (await screen.findByLabelText('x, mm')) as HTMLInputElement;
+    if (text) fireEvent.input(field, { target: { value: text } });
+    expect(await screen.findByText('no target: x is not read, a number in mm is expected')).toBeTruthy();
+    expect(screen.queryByRole('button', { name: /Move there|Copy/ })).toBeNull();
+    fireEvent.input(field, { target: { value: '0.2' } });
+    expect(await screen.findByText(/^0\.199\s987\s31/)).toBeTruthy();
+    expect(screen.getByRole('button', { name: /Move there/ })).toBeTruthy();
+  });
+  it('asks for the number that a decimal comma in the address means', async () => {
+    show('/targets?x=0,2', Targets);
+    expect(await screen.findByText(/^0\.199\s987\s31/)).toBeTruthy();
+  });
   it('says why there are none and what to do', async () => {
     useTransport(fakeDaemon({ noModel: true }));
     show('/targets', Targets);
     expect(await screen.findByText(/No model serves/)).toBeTruthy();
     expect(screen.getByRole('link', { name: 'Promote a model' })).toBeTruthy();
+    expect(screen.getByRole('link', { name: 'joint target' }).getAttribute('href')).toBe('/plans');
   });
 });
 

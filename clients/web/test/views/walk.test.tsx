@@ -3,17 +3,19 @@ import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '
 import { create } from '@bufbuild/protobuf';
 import { afterAll, afterEach, beforeAll, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
+import { DeviceSchema, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { Run_State, RunProgressSchema } from '@/api/gen/driftwise/v1/run_pb';
 import { go } from '@/app/router';
 import { Shell } from '@/app/shell';
 import { startStream } from '@/live/stream';
 import { FileInput } from '@/ui/file_input';
 import { RunPanel } from '@/views/now/run_panel';
-import { fakeNowMs, fakeRun } from '../fake/cell';
+import { cell } from '@/live/state';
+import { fakeNowMs, fakeRun, fakeStatus } from '../fake/cell';
 import { fakeDaemon } from '../fake/daemon';
 import { timestampOf } from '@/format/time';
 
-vi.mock('@/plot/plot', () => ({ Plot: ({ spec }: { spec: { title: string } }) => <figure>{spec.title}</figure> }));
+vi.mock('@/plot/plot', () => ({ Plot: ({ spec }: { spec: { title: string; why?: string } }) => <figure>{spec.title}<figcaption>{spec.why}</figcaption></figure> }));
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
 configure({ asyncUtilTimeout: 15_000 });
 
@@ -72,4 +74,27 @@ it('states the end of a run as a band', async () => {
     remainingBand: { lowDuration: { seconds: 18000n, nanos: 0 }, highDuration: { seconds: 28800n, nanos: 0 }, share: 0.8, runCount: 12n, rowCount: 4000n },
   })} />);
   expect(screen.getByText(/^80 %: ... \d\d:\d\d UTC to ... \d\d:\d\d UTC$/)).toBeTruthy();
+});
+
+it('shows two instruments of one coordinate, each by its own name, and their plots', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  cleanup();
+  cell.value = create(GetStatusResponseSchema, {
+    ...fakeStatus,
+    devices: [
+      ...fakeStatus.devices.map((one) => (one.id === 'laser-z' ? create(DeviceSchema, { ...one, kind: 'interferometer-adapter' }) : one)),
+      create(DeviceSchema, { id: 'touch', kind: 'heidenhain-nd28x', lengthChannel: 'z_mm' }),
+      create(DeviceSchema, { id: 'level', kind: 'meas-dpl', angleChannels: ['ma.rx_arcsec'] }),
+    ],
+  });
+  go('/instruments');
+  render(<Shell />);
+  expect(await screen.findByRole('heading', { name: 'z interferometer' })).toBeTruthy();
+  expect(screen.getByRole('heading', { name: 'z touch probe' })).toBeTruthy();
+  expect(screen.getByRole('heading', { name: 'Inclinometer level' })).toBeTruthy();
+  expect(await screen.findByText('No angle read yet')).toBeTruthy();
+  await waitFor(() => expect(screen.queryByText('Waiting for the record …')).toBeNull());
+  expect(screen.queryByText(/is named twice/)).toBeNull();
 });

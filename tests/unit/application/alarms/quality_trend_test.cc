@@ -33,6 +33,23 @@ TEST(QualityTrend, TellsOfPointsThatTakeTwoAttemptsEach) {
   EXPECT_FALSE(trend.condition(kLimit_nm));
 }
 
+// 30 and 31 attempts for 20 points in turn: nine alarms in 50 minutes of the two robots' cell.
+TEST(QualityTrend, IsOneAlarmWhilePointsTakeAboutAsManyAttemptsAsItsLimit) {
+  QualityTrend trend;
+  trend.take(after(0, 0));
+  int begun = 0;
+  std::int64_t attempts = 0;
+  for (int k = 1; k <= 400; ++k) {
+    const bool before = trend.condition(kLimit_nm).has_value();
+    attempts += k % 2 == 0 || k % 21 == 0 ? 2 : 1;
+    trend.take(after(k, attempts));
+    begun += !before && trend.condition(kLimit_nm).has_value();
+  }
+  EXPECT_EQ(begun, 1);
+  measure(trend, 400, attempts, 20);
+  EXPECT_FALSE(trend.condition(kLimit_nm));
+}
+
 TEST(QualityTrend, DoesNotCountWhatWasMeasuredBeforeTheDaemonBeganAgain) {
   QualityTrend trend;
   trend.take(after(12, 13));

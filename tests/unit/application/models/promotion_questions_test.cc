@@ -56,6 +56,16 @@ TEST(AccuracyQuestions, AskForValidationRows) {
   EXPECT_THAT(questions[0], HasSubstr("no validation rows"));
 }
 
+TEST(AccuracyQuestions, AreAskedOfARobotFileThatNoDataJudged) {
+  auto model = model_of(80e-6, 0);
+  model.geometry.emplace();
+  const auto questions = accuracy_questions(model, {});
+  ASSERT_THAT(questions, SizeIs(1));
+  EXPECT_THAT(questions[0], HasSubstr("no data judged it"));
+  model.geometry->covariance = Eigen::MatrixXd::Identity(3, 3);  // identified on data
+  EXPECT_THAT(accuracy_questions(model, {}), IsEmpty());
+}
+
 TEST(AccuracyQuestions, KeepUnitsApart) {
   EXPECT_THAT(accuracy_questions(model_of(80e-6, 60), {{{"wanted_a90_arcsec", "1"}}}), IsEmpty());
 }

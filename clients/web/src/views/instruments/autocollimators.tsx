@@ -12,6 +12,7 @@ import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
 import { Panel } from '@/ui/panel';
 import { useWhileSeen } from '@/ui/use_while_seen';
+import { angleInstrument } from './kinds';
 import { LiveValue } from './live_value';
 
 const usualLimit = 400; // arcsec: the range of the published autocollimators, where the cell file names none
@@ -28,24 +29,26 @@ function RangeBar({ now }: { now: Channel }) {
   );
 }
 
-function tilts(names: readonly string[], history: History): PlotSpec {
+function tilts(names: readonly string[], declared: readonly string[], history: History): PlotSpec {
   const startMs = lastMidnight(history.fromMs);
   return {
-    title: `${names.map((name) => splitChannel(name).symbol).join(', ')}, live`,
+    title: names.length > 0 ? `${names.map((name) => splitChannel(name).symbol).join(', ')}, live` : 'No angle read yet',
     what: 'arcsec against time of day',
     x: { label: 'time_h', unit: 'h', startMs, clock: true },
     y: { unit: 'arcsec', zero: false },
     series: names.map((name, i) => seriesOfTrack(history.of(name), startMs, { colour: axisColours[i % 6] })),
     ...(history.waiting && { why: 'Waiting for the record …' }),
+    ...(history.failure && { why: history.failure.message }),
+    ...(names.length === 0 && { why: `${declared.map((name) => splitChannel(name).symbol).join(', ')}: not read since the daemon started.` }),
   };
 }
 
 export function Autocollimator({ device, history }: { device: Device; history: History }) {
   const angles = device.angleChannels.flatMap((name) => channel(name) ?? []);
   const [shown, root] = useWhileSeen(history);
-  const spec = useMemo(() => tilts(angles.map((one) => one.name), shown), [shown, angles.length]);
+  const spec = useMemo(() => tilts(angles.map((one) => one.name), device.angleChannels, shown), [shown, angles.length]);
   return (
-    <Panel title={`Autocollimator ${device.id}`} class="instrument instrument-two" root={root}>
+    <Panel title={`${angleInstrument(device.kind)} ${device.id}`} class="instrument instrument-two" root={root}>
       <div class="instrument-side">
         {angles.map((one) => (
           <div key={one.name}>

@@ -1,4 +1,4 @@
-// A row per interferometer: the value, its spread, its live trace in nm, the zero since the run began, signal and age.
+// A row per instrument of a length (interferometer, touch probe): the value, its spread, its live trace in nm, the zero since the run began, signal and age.
 import { useMemo } from 'preact/hooks';
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import type { Point } from '@/api/gen/driftwise/v1/run_pb';
@@ -15,6 +15,7 @@ import type { PlotSpec } from '@/plot/spec';
 import { Panel } from '@/ui/panel';
 import { StaleNote } from '@/ui/tile';
 import { useWhileSeen } from '@/ui/use_while_seen';
+import { lengthInstrument } from './kinds';
 import { LiveValue } from './live_value';
 
 // In nm from the middle of what is seen: a trace about 2.5 mm would be a flat line.
@@ -65,7 +66,7 @@ function Row({ device, now, at, history, drift, startMs, last }: {
     return { ...spec, title: `Zero of ${splitChannel(now.name).symbol} since start`, series: spec.series.map((one) => ({ ...one, colour: axisColours[at % 6] })) };
   }, [drift, now.name]);
   return (
-    <Panel title={`${splitChannel(now.name).symbol} interferometer`} class="instrument" root={root}>
+    <Panel title={`${splitChannel(now.name).symbol} ${lengthInstrument(device.kind)}`} class="instrument" root={root}>
       <Side device={device} now={now} last={last} />
       <Plot spec={trace} live height={150} group="live" />
       <Plot spec={zero} live height={150} group="zero" />

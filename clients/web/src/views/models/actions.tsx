@@ -81,7 +81,8 @@ export function RollBack({ promotions, onDone }: { promotions: readonly Promotio
   );
 }
 
-export function ExportButtons({ id }: { id: bigint }) {
+// A geometry is no sum of terms: there is no C of it.
+export function ExportButtons({ id, geometry }: { id: bigint; geometry: boolean }) {
   const command = useCommand(async (format: ExportModelRequest_Format) => {
     const { text, fileName } = await modelApi().exportModel({ modelId: id, format });
     download(fileName, text, 'text/plain');
@@ -89,7 +90,7 @@ export function ExportButtons({ id }: { id: bigint }) {
   return (
     <>
       <Button busy={command.busy} onPress={() => command.send(ExportModelRequest_Format.JSON)}>Export JSON</Button>
-      <Button busy={command.busy} onPress={() => command.send(ExportModelRequest_Format.C)}>Export C</Button>
+      {!geometry && <Button busy={command.busy} onPress={() => command.send(ExportModelRequest_Format.C)}>Export C</Button>}
       {command.failure && <Failed asked="Export the model" failure={command.failure} />}
     </>
   );

@@ -40,7 +40,7 @@ export function ModelPage({ id }: { id: bigint }) {
     <>
       <ViewTitle
         sub={model && <code>{model.formula}</code>}
-        actions={model && (<><Promote model={model} questions={asked.value!.promotionQuestions} onDone={asked.again} /><ExportButtons id={id} /></>)}
+        actions={model && (<><Promote model={model} questions={asked.value!.promotionQuestions} onDone={asked.again} /><ExportButtons id={id} geometry={model.kinematics !== undefined} /></>)}
       >
         {`Model ${id}${model && model.name !== model.formula ? `, ${model.name}` : ''}`}
       </ViewTitle>
@@ -57,10 +57,10 @@ function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
         {model.serving ? <Verdict kind="good">serves targets</Verdict> : <Verdict kind="idle">does not serve</Verdict>}
         <span class="muted">
           from {sourceText(model)}: {count(model.lineage?.calibrationRowCount)} calibration, {count(model.lineage?.validationRowCount)} validation rows;
-          fitted in {fixed((secondsOf(model.fitDuration) ?? 0) * 1000, 1)} ms, {dateClock(ms(model.createTime))}{model.createdBy && `, by ${model.createdBy}`}
+          {model.accuracy.length > 0 ? `fitted in ${fixed((secondsOf(model.fitDuration) ?? 0) * 1000, 1)} ms` : 'imported, no data judged it'}, {dateClock(ms(model.createTime))}{model.createdBy && `, by ${model.createdBy}`}
         </span>
       </p>
-      <Panel class="models-heading"><AccuracyHeading of={model.accuracy} /></Panel>
+      {model.accuracy.length > 0 && <Panel class="models-heading"><AccuracyHeading of={model.accuracy} /></Panel>}
       <Rests marks={model.corrections} what="fitted on data with" />
       <MeasuredUnder answer={answer} />
       <div class="tiles models-outputs">{model.outputs.map((output) => <OutputTile output={output} />)}</div>

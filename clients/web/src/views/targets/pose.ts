@@ -2,6 +2,7 @@
 // state, so that a link shows a colleague the same target.
 import { place } from '@/app/router';
 import { splitChannel } from '@/format/units';
+import { numberTyped } from '@/ui/field';
 
 export interface PoseField {
   channel: string; // "x_mm"
@@ -26,10 +27,21 @@ export const startOf = (field: PoseField): number => (field.min <= 0 && field.ma
 
 export type Pose = readonly { channel: string; value: number }[];
 
-export function poseOf(fields: readonly PoseField[]): Pose {
-  return fields.map((field) => {
-    const text = place.value.query.get(field.symbol);
-    const value = text === null ? NaN : Number(text);
-    return { channel: field.channel, value: Number.isFinite(value) && text !== '' ? value : startOf(field) };
-  });
+// Text of a field: what was typed while it is no number, else what the address says.
+export function textOf(field: PoseField, typed: string | undefined): string {
+  const address = place.value.query.get(field.symbol) ?? String(startOf(field));
+  if (typed === undefined) return address;
+  const number = numberTyped(typed);
+  return number === undefined || number === numberTyped(address) ? typed : address;
+}
+
+export type Typed = Readonly<Record<string, string>>; // by symbol
+
+export const unreadOf = (fields: readonly PoseField[], typed: Typed): readonly PoseField[] =>
+  fields.filter((field) => numberTyped(textOf(field, typed[field.symbol])) === undefined);
+
+// Empty while a field is no number: a target of another pose than the fields say is never shown.
+export function poseOf(fields: readonly PoseField[], typed: Typed): Pose {
+  if (unreadOf(fields, typed).length > 0) return [];
+  return fields.map((field) => ({ channel: field.channel, value: numberTyped(textOf(field, typed[field.symbol])) ?? NaN }));
 }

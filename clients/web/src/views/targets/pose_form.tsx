@@ -1,23 +1,22 @@
-import { useState } from 'preact/hooks';
-import { place, setQuery } from '@/app/router';
+import { setQuery } from '@/app/router';
 import { fixed } from '@/format/numbers';
 import { Field, numberTyped } from '@/ui/field';
 import { Panel } from '@/ui/panel';
-import { startOf, type PoseField } from './pose';
+import { textOf, type PoseField, type Typed } from './pose';
+
+export const numberWanted = (field: PoseField) => `a number in ${field.unit} is expected`;
 
 // Every number that can be read goes to the address at once; what cannot stays in its field with what is wrong.
-export function PoseForm({ fields }: { fields: readonly PoseField[] }) {
+export function PoseForm({ fields, typed, type }: { fields: readonly PoseField[]; typed: Typed; type: (symbol: string, text: string) => void }) {
   return (
     <Panel title="Wanted pose">
-      <div class="targets-pose">{fields.map((field) => <PoseInput key={field.channel} field={field} />)}</div>
+      <div class="targets-pose">{fields.map((field) => <PoseInput key={field.channel} field={field} typed={typed[field.symbol]} type={type} />)}</div>
     </Panel>
   );
 }
 
-function PoseInput({ field }: { field: PoseField }) {
-  const fromAddress = place.value.query.get(field.symbol) ?? String(startOf(field));
-  const [text, setText] = useState(fromAddress);
-  const shown = numberTyped(text) === Number(fromAddress) || numberTyped(text) === undefined ? text : fromAddress;
+function PoseInput({ field, typed, type }: { field: PoseField; typed: string | undefined; type: (symbol: string, text: string) => void }) {
+  const shown = textOf(field, typed);
   const value = numberTyped(shown);
   const outside = value !== undefined && (value < field.min || value > field.max);
   const digits = field.unit === 'arcsec' ? 1 : 2;
@@ -29,11 +28,11 @@ function PoseInput({ field }: { field: PoseField }) {
       type="number"
       value={shown}
       onInput={(next) => {
-        setText(next);
+        type(field.symbol, next);
         const number = numberTyped(next);
         if (number !== undefined) setQuery({ [field.symbol]: String(number) });
       }}
-      wrong={value === undefined ? `a number in ${field.unit} is expected` : undefined}
+      wrong={value === undefined ? numberWanted(field) : undefined}
       hint={outside ? `outside: ${range}` : range}
     />
   );

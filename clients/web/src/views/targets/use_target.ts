@@ -22,12 +22,14 @@ export interface TargetState {
 const everyMs = 1000;
 const hourMs = 3_600_000;
 
+// Of an empty pose nothing is asked.
 export function useTarget(pose: Pose): TargetState {
   const key = pose.map((one) => `${one.channel}=${one.value}`).join(' ');
   const [state, setState] = useState<TargetState & { key: string }>({ key, history: [] });
   const latest = useRef(pose);
   latest.current = pose;
   useEffect(() => {
+    if (key === '') return undefined;
     const abort = new AbortController();
     let timer: ReturnType<typeof setTimeout>;
     const ask = async () => {

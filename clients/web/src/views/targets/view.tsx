@@ -1,5 +1,6 @@
 // Targets: a wanted pose, what the motors have to be told under the present conditions, how sure that is, and what the
 // correction looks like over the workspace.
+import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { modelApi } from '@/api/model';
 import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
@@ -9,12 +10,13 @@ import { BudgetTable } from '@/model/budget_table';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
+import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { Live } from './live';
 import { Parts } from './parts';
 import { CorrectionMap } from './map';
-import { PoseForm } from './pose_form';
-import { fieldsOf, poseOf } from './pose';
+import { numberWanted, PoseForm } from './pose_form';
+import { fieldsOf, poseOf, unreadOf, type Typed } from './pose';
 import { Result } from './result';
 import { useTarget } from './use_target';
 import { Where } from './where';
@@ -31,7 +33,7 @@ export default function Targets() {
     <>
       <ViewTitle sub={model ? <>by <a href={`/models/${model.id}`}>model {String(model.id)}</a>, <code>{model.formula}</code></> : undefined}>Targets</ViewTitle>
       {asked.failure && <Failed asked="Find the model that serves" failure={asked.failure} again={asked.again} />}
-      {model === null && <Empty next={<a href="/models">Promote a model</a>}>No model serves, so there are no targets{cell.value ? ` in cell ${cell.value.cellName}` : ''}.</Empty>}
+      {model === null && <Empty next={<><a href="/models">Promote a model</a>, or ask for a <a href="/plans">joint target</a> of a serving plan</>}>No model serves, so there are no targets{cell.value ? ` in cell ${cell.value.cellName}` : ''}.</Empty>}
       {model ? <Served model={model} /> : model === undefined && !asked.failure && <Awaiting what="the model that serves" />}
     </>
   );
@@ -39,11 +41,25 @@ export default function Targets() {
 
 function Served({ model }: { model: Model }) {
   const fields = fieldsOf(model.domain);
-  const pose = poseOf(fields);
+  const [typed, setTyped] = useState<Typed>({});
+  const pose = poseOf(fields, typed);
   const target = useTarget(pose);
+  const unread = unreadOf(fields, typed);
+  const form = <PoseForm fields={fields} typed={typed} type={(symbol, text) => setTyped((old) => ({ ...old, [symbol]: text }))} />;
+  if (unread.length > 0) {
+    return (
+      <>
+        {form}
+        <Panel title="Motor coordinates">
+          {unread.map((field) => <Verdict key={field.channel} kind="bad">no target: {field.symbol} is not read, {numberWanted(field)}</Verdict>)}
+        </Panel>
+        <Where />
+      </>
+    );
+  }
   return (
     <>
-      <PoseForm fields={fields} />
+      {form}
       <Result state={target} pose={pose} />
       <div class="columns">
         <div class="stack targets-side">
