@@ -10,8 +10,8 @@
 // start (the digits of /proc/sys/kernel/random/boot_id). anchor_wall_ns is the UTC of the anchor,
 // with which the simulated cell goes on after a new start. The sequence is odd while the values are
 // being written: a reader that saw an odd or a changed one reads again. The simulated cell creates
-// the file, and makes it anew when hours pass at once without a daemon. While a daemon runs, it alone
-// writes the file.
+// the file, and makes it anew when hours pass at once without a daemon. While a daemon runs, it
+// alone writes the file.
 
 #include <atomic>
 #include <cstdint>
