@@ -327,6 +327,9 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
   // answer does not keep it from being ready.
   asio::co_spawn(context, daemon.cell->devices_looked_at(), asio::use_future)
       .wait_for(std::chrono::seconds(1));
+  // A controller that comes back after a restart shall not hear that no model serves.
+  asio::co_spawn(context, daemon.cell->served_again(), asio::use_future)
+      .wait_for(std::chrono::seconds(20));
   {
     const auto content = notice_of(daemon);
     const Notice notice(arguments.cell_file, content);

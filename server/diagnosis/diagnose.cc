@@ -347,6 +347,18 @@ calibration::Candidates without_dead_sensors(const calibration::Candidates& base
   return result;
 }
 
+// What the machine is in, of the channels; not where it is and not what it answers.
+std::vector<std::string> conditions_of(const Dataset& dataset,
+                                       const std::vector<std::string>& outputs) {
+  std::vector<std::string> conditions;
+  for (const auto& column : dataset.columns)
+    if (const Channel& channel = column.channel; !is_pose_symbol(channel.symbol) &&
+                                                 !is_motor_symbol(channel.symbol) &&
+                                                 !is_response(channel, outputs))
+      conditions.push_back(channel.symbol);
+  return conditions;
+}
+
 bool several_datums(const Dataset& dataset) {
   return std::ranges::adjacent_find(dataset.datum, std::not_equal_to{}) != dataset.datum.end();
 }
@@ -372,7 +384,8 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     return found;
   }
   if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
-  auto whole = without_gaps(in_catalogue_units(dataset), options.baseline.outputs);
+  auto whole =
+      without_gaps(in_catalogue_units(dataset), conditions_of(dataset, options.baseline.outputs));
   Dataset mended = std::move(whole.data);
   auto sensors = mend_sensors(mended, options.baseline.outputs.size(), options.alpha,
                               [&](const Dataset& data) {

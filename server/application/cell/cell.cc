@@ -39,6 +39,8 @@ access::AccessWitness& Cell::access_witness() { return parts_->access; }
 
 Awaitable<void> Cell::devices_looked_at() { return parts_->keeper.looked(); }
 
+Awaitable<void> Cell::served_again() { return parts_->served_again(); }
+
 Awaitable<void> Cell::shut_down() { return parts_->shut_down(); }
 
 }  // namespace driftwise::application

@@ -58,6 +58,8 @@ class Cell {
   void start();
   // Resumes when every device has been tried once, and the status says which are there.
   Awaitable<void> devices_looked_at();
+  // Resumes when the promoted model or plan serves again after a start, or is refused.
+  Awaitable<void> served_again();
   Awaitable<void> shut_down();
 
   const Services& services() const { return services_; }

@@ -172,7 +172,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       indentations(*clock, reader, writer, events, text_thread.executor()),
       support({given.schema_version, std::move(given.log_tail)}, workbench, reader, overview,
               text_thread.executor()),
-      measure_pauses_(given.measure_pauses) {
+      measure_pauses_(given.measure_pauses),
+      looked_for_what_serves_(this->executor) {
   stops.restore(std::move(opened.stops));
   stops.tell_presses([this](const Caller& caller, const std::string& cause) {
     queue_desk.stopped(caller, cause);

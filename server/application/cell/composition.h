@@ -28,6 +28,7 @@
 #include "server/application/notify/notify_desk.h"
 #include "server/application/plans/plans_service.h"
 #include "server/application/plumbing/pause_meter.h"
+#include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/host.h"
 #include "server/application/provenance/provenance_service.h"
@@ -93,6 +94,8 @@ class Composition {
   ~Composition();
 
   void start();
+  // Resumes when the promoted model or plan serves, or is refused with its reason.
+  Awaitable<void> served_again();
   Awaitable<void> shut_down();
   Services services();
 
@@ -173,6 +176,8 @@ class Composition {
   Awaitable<Result<void>> restore_model();
 
   bool measure_pauses_ = false;
+  bool served_again_ = false;
+  Signal looked_for_what_serves_;
   std::shared_ptr<void> run_watch_;
 };
 

@@ -44,10 +44,16 @@ Awaitable<void> Composition::start_up() {
   tell("finding the present datum", co_await restore_datum());
   tell("serving the promoted model", co_await restore_model());
   tell("serving the promoted plan", co_await plans.restore());
+  served_again_ = true;
+  looked_for_what_serves_.raise();
   tell("going on with the run", co_await runs.continue_unfinished());
   tell("continuing the rest", co_await rests.continue_unfinished());
   queue_desk.start();
   tasks.spawn(durations.load());
+}
+
+Awaitable<void> Composition::served_again() {
+  while (!served_again_) co_await looked_for_what_serves_.wait();
 }
 
 Awaitable<Result<void>> Composition::restore_datum() {
@@ -88,6 +94,8 @@ Awaitable<void> Composition::shut_down() {
   constexpr auto kPatience =
       std::chrono::seconds(2);  // wall: then whatever is still talking is cut off
   events.record_own("daemon.stopping", "the daemon was asked to end");
+  served_again_ = true;
+  looked_for_what_serves_.raise();
   if (auto* control = engine.control()) control->shut_down();
   if (auto* by_hand = right.by_hand()) by_hand->shut_down();
   wall_clock.shut_down();

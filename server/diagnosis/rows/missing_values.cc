@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/diagnosis/catalogue/cause.h"
-
 namespace driftwise::diagnosis {
 namespace {
 
@@ -64,7 +62,7 @@ std::string rows_text(std::size_t count, std::size_t rows) {
 
 }  // namespace
 
-WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& outputs) {
+WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& conditions) {
   WithoutGaps result;
   const std::vector<double> clock = clock_of(data);
   struct Lacking {
@@ -74,9 +72,7 @@ WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& outputs) 
   std::vector<Lacking> lacking;
   for (auto& column : data.columns) {
     const Channel& channel = column.channel;
-    if (is_pose_symbol(channel.symbol) || is_motor_symbol(channel.symbol) ||
-        is_response(channel, outputs))
-      continue;
+    if (std::ranges::find(conditions, channel.symbol) == conditions.end()) continue;
     if (changes_slowly(channel))
       if (const std::size_t closed = close_gaps(clock, column.values); closed > 0)
         result.sentences.push_back(

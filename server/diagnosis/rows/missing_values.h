@@ -19,8 +19,7 @@ struct WithoutGaps {
   std::vector<std::string> sentences;  // of all three, for warnings
 };
 
-// outputs: symbols of the baseline's outputs; neither they nor poses and motors are conditions.
-// In the catalogue's units.
-WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& outputs);
+// conditions: symbols of the channels that are looked at. In the catalogue's units.
+WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& conditions);
 
 }  // namespace driftwise::diagnosis

@@ -157,7 +157,7 @@ TEST_F(ArmModel, IsIdentifiedPromotedServedAndKeptOverARestart) {
   cell.start_daemon();
   const auto again = ask_line(cell.target_line_address(), line);
   expect_reached(*robot, kPosture, angles_in(again));
-  EXPECT_EQ(angles_in(again), angles_in(answered));
+  EXPECT_EQ(angles_in(again), angles_in(answered)) << again;
   EXPECT_THAT(cell.say({"model", "list"}), HasSubstr("serving"));
 }
 

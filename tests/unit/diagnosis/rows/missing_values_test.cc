@@ -47,7 +47,7 @@ TEST(MissingValues, OfATemperatureLieOnTheLineBetweenItsReadings) {
   const auto whole = t01;
   for (std::size_t row = 0; row < kGapRows; ++row)
     if (row % 9 != 0) t01[row] = kMissing;
-  const auto closed = without_gaps(data, {"q1"});
+  const auto closed = without_gaps(data, {"t01", "force"});
   // Of 0.5 K in 2000 s / rad the curve between readings 540 s apart is (540 / 2000)^2 / 8 x 0.5 K.
   for (std::size_t row = 0; row < kGapRows - 3; ++row)
     EXPECT_NEAR(closed.data.columns[2].values[row], whole[row], 0.005) << row;
@@ -60,7 +60,7 @@ TEST(MissingValues, OfATemperatureLieOnTheLineBetweenItsReadings) {
 TEST(MissingValues, OfALoadLeaveTheirRowsOut) {
   Dataset data = loaded_and_warm();
   for (std::size_t row = 40; row < 60; ++row) data.columns[3].values[row] = kMissing;
-  const auto closed = without_gaps(data, {"q1"});
+  const auto closed = without_gaps(data, {"t01", "force"});
   ASSERT_EQ(closed.data.excluded.size(), kGapRows);
   for (std::size_t row = 0; row < kGapRows; ++row)
     EXPECT_EQ(closed.data.is_excluded(row), row >= 40 && row < 60) << row;
@@ -71,7 +71,7 @@ TEST(MissingValues, OfMoreRowsThanCanBeSparedLeaveTheChannelOut) {
   Dataset data = loaded_and_warm();
   for (std::size_t row = 40; row < 90; ++row)
     data.columns[2].values[row] = data.columns[3].values[row] = kMissing;
-  const auto closed = without_gaps(data, {"q1"});
+  const auto closed = without_gaps(data, {"t01", "force"});
   EXPECT_THAT(closed.unread, testing::ElementsAre("t01", "force"));
   EXPECT_TRUE(closed.data.excluded.empty());
 }
