@@ -190,7 +190,7 @@ class Diagnoser {
     auto sides = two_sides(problem_.timeline, extension.learned(), series_);
     const double best = look.first ? look.causes[*look.first].evidence : 0;
     const double by_chance = 2 * std::log(static_cast<double>(series_.cols()) / options_.alpha);
-    if (sides && (sides->gain < by_chance || sides->evidence < best)) sides.reset();
+    if (!sides || sides->gain < by_chance || sides->evidence < best) return std::nullopt;
     return sides;
   }
 
