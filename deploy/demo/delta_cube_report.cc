@@ -83,7 +83,7 @@ void align_at_returns(const Dataset& rows, std::vector<double>& values) {
   for (double& value : values) value -= sum / count;
 }
 
-// Where the cube was in one session, in the rows of the joined data; in the joined column's unit.
+// Place of the cube in one session, by rows of the joined data; in the joined column's unit.
 std::vector<double> true_values_of(const Dataset& joined, const Session& session,
                                    const TruthTable& truth, const JoinedCoordinate& one) {
   const TruthOfRun true_pose(session.data, session.path, truth);

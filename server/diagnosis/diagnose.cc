@@ -347,7 +347,7 @@ calibration::Candidates without_dead_sensors(const calibration::Candidates& base
   return result;
 }
 
-// What the machine is in, of the channels; not where it is and not what it answers.
+// Symbols of the channels that are conditions: no pose, no motor and no response.
 std::vector<std::string> conditions_of(const Dataset& dataset,
                                        const std::vector<std::string>& outputs) {
   std::vector<std::string> conditions;

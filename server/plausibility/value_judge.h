@@ -79,7 +79,7 @@ class ValueJudge {
   std::map<std::string, Whole> scanners_;
 };
 
-// What a channel did before the row of now.
+// Answers of a channel before the present row of equal ones.
 struct EqualAnswers {
   int longest = 0, changes = 0;
   std::int64_t answers = 0;

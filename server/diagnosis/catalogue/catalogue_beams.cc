@@ -92,7 +92,7 @@ std::size_t places_of(const CatalogueBuilder& builder, const std::string& symbol
     coordinates.push_back(by_places({values.begin(), values.end()}));
   }
   std::set<std::vector<double>> places;
-  // Where every row is marked for validation they are what is learned from.
+  // Rows for validation count where there are no others: the search then learns from them.
   const bool any_learns =
       data.set.empty() || std::ranges::count(data.set, PointSet::calibration) > 0;
   for (std::size_t row = 0; row < data.rows; ++row) {

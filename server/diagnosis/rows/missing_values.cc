@@ -22,7 +22,8 @@ std::vector<double> clock_of(const Dataset& data) {
   return clock;
 }
 
-// How many values were set. Before the first reading and after the last one the nearest holds.
+// Number of values that were set. Before the first reading and after the last one the nearest
+// holds.
 std::size_t close_gaps(const std::vector<double>& clock, std::vector<double>& values) {
   std::vector<std::size_t> present;
   for (std::size_t row = 0; row < values.size(); ++row)

@@ -328,7 +328,7 @@ std::vector<NoiseChange> noise_changes(const Ground& ground) {
     const Eigen::VectorXd first = clipped_squares(left.head(at)),
                           second = clipped_squares(left.tail(n - at));
     const double v1 = first.mean(), v2 = second.mean();
-    // How far squares scatter about either side's own spread: 2 where the sides are normal. About
+    // Scatter of the squares about either side's own spread: 2 where the sides are normal. About
     // the common spread two sides would count as tails.
     const double scatter =
         ((first / v1).array() - 1).square().sum() + ((second / v2).array() - 1).square().sum();

@@ -1,4 +1,4 @@
-// What an instrument is called, by the kind of its device; a kind without a word here has a general one.
+// Words for instruments by the kind of their device; a kind without a word here has a general one.
 const lengths: Readonly<Record<string, string>> = { 'interferometer-adapter': 'interferometer', 'heidenhain-nd28x': 'touch probe' };
 const angles: Readonly<Record<string, string>> = { 'newport-lds1000': 'Autocollimator', 'meas-dpl': 'Inclinometer' };
 
