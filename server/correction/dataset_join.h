@@ -20,9 +20,9 @@ struct JoinedData {
 
 // Of several robots, the runs of one are joined: its id may stand before the symbols.
 // Errors: invalid_argument NOTHING_TO_JOIN (less than two parts, no pose coordinate, those of two
-// robots, units that differ, one measurement given twice), NO_COMMON_ROWS (less than half of the rows are in all parts); those
-// of check_trajectories, check_conditions, check_rows_shifted, check_setups_swapped,
-// subtract_returns.
+// robots, units that differ, one measurement given twice), NO_COMMON_ROWS (less than half of the
+// rows are in all parts); those of check_trajectories, check_conditions, check_rows_shifted,
+// check_setups_swapped, subtract_returns.
 Result<JoinedData> join(JoinParts parts, const JoinRules& rules);
 
 // The robot whose pose was measured; "": none, or channels without an id.
