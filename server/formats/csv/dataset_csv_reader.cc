@@ -74,6 +74,16 @@ Result<void> check_version(const CsvHeader& header, const std::string& file_name
   return {};
 }
 
+// Of a file whose header is another program's: how it becomes a dataset.
+Error with_way_out(Error error) {
+  if (error.reason == reasons::kNoHeader || error.reason == reasons::kQuotedField ||
+      error.reason == reasons::kBadChannel)
+    error.message +=
+        "; another program's table: driftwise data import FILE --mapping MAP.toml -o dataset.csv "
+        "(docs/import.md)";
+  return error;
+}
+
 // Fills data.columns and says for each column of the file what it is.
 Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::string& file_name,
                                             DatasetRead& data) {
@@ -277,11 +287,12 @@ void close_gaps(std::vector<Value>& values, const std::vector<CsvChunk>& chunks,
 
 Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_name,
                                  const calibration::Executor& executor, const CsvLimits& limits) {
-  DRIFTWISE_TRY(const auto header, read_csv_header(text, file_name, limits));
+  DRIFTWISE_TRY(const auto header,
+                read_csv_header(text, file_name, limits).map_error(with_way_out));
   DRIFTWISE_RETURN_IF_ERROR(check_version(header, file_name));
   DatasetRead data;
   data.metadata = header.metadata;
-  DRIFTWISE_TRY(const auto kinds, sort_columns(header, file_name, data));
+  DRIFTWISE_TRY(const auto kinds, sort_columns(header, file_name, data).map_error(with_way_out));
 
   const auto chunks = chunks_of(header, executor);
   const std::size_t most_rows = chunks.back().first_row + chunks.back().most_rows;
