@@ -31,13 +31,13 @@ Result<AuditRecord> SqliteAuditStore::add(const AuditRecord& act,
   return session_.write([&] {
     AuditRecord stored = act;
     stored.event = event ? insert_event(session_, *event) : EventId{};
-    const auto event_id =
-        event ? std::optional(stored.event) : std::optional<EventId>(std::nullopt);
+    // An act without an event has the id 0, which no event has.
     Query(session_.db,
           "INSERT INTO audit (at_ns, at_monotonic_ns, who, proof, peer, what, subject, "
-          "before_value, after_value, outcome, event_id) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+          "before_value, after_value, outcome, event_id) "
+          "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, NULLIF(?, 0))")
         .bind(act.at.utc.utc_ns, act.at.monotonic_ns, act.by.name, act.by.proof, act.by.from,
-              act.what, act.subject, act.before, act.after, act.outcome, event_id)
+              act.what, act.subject, act.before, act.after, act.outcome, stored.event)
         .run();
     stored.id = session_.db.last_row_id();
     return stored;
