@@ -163,8 +163,8 @@ std::span<const PhysicsRecord> physics_table() {
       {"cosine_error", "arcsec",
        "a third of the angle at which the beam leaves a 6 mm aperture, 1200 at most; beam 500 mm",
        "3 x", "the returning beam walks by 2 angle x stroke"},
-      {"refractive_index", "mm of dead path; share of the path measured", "100; 1", "10 x",
-       "Birch and Downs 1994"},
+      {"refractive_index", "mm of dead path; share of the path measured", "100; 1",
+       "10 x; the whole", "Birch and Downs 1994"},
       {"instrument_drift", "nm/h; ppm/h", "50 or 3 sigma over the duration; 1", "20 x",
        "zero of interferometers and of probes"},
       {"step_change", "nm", "316.4 or 10 sigma", "", "lost fringes; a slip has no end"},
@@ -298,6 +298,8 @@ double Physics::range_factor(const Cause& cause, const effects::Term& term, doub
   if (id.starts_with("force_") || id == "backlash" || id == "creep") return 50;
   if (id == "instrument_drift") return 20;
   if (id == "cosine_error") return 1 / kOfWorstBeam;
+  // Of the way measured at most the whole: an instrument that takes nothing of the index out.
+  if (id == "refractive_index" && read_by(term, kAxes) >= 0) return 1;
   if (id == "cyclic_error" || id == "periodic_disturbance" || id == "refractive_index") return 10;
   return kRange;
 }

@@ -12,7 +12,9 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kRival = 6;                // in 2 ln L
+constexpr double kRival = 6;  // in 2 ln L
+constexpr double kTie = 2;    // in 2 ln of evidence: "not worth more than a bare mention" (Kass and
+                              // Raftery, J. Am. Stat. Assoc. 90 (1995) 773)
 constexpr double kRivalCorrelation = 0.95;  // of fitted contributions, whitened
 constexpr double kFamilyCorrelation = 0.7;  // of a lag and a rate of one sensor in the baseline
 constexpr double kNoticed = 14;             // nobody is a rival who would not be noticed alone
@@ -177,9 +179,9 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
   return std::nullopt;
 }
 
-// An instrument's air, or its drift, that does as well as the robot's cause is the safer name: what
-// is said of the robot is served, and the set has both. A drift is what nothing sensed explains, so
-// the air comes before it.
+// An instrument's air, or its drift, that the evidence does not tell from the robot's cause is the
+// safer name: what is said of the robot is served, and the set has both. A drift is what nothing
+// sensed explains, so the air comes before it.
 std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
   const auto close = [&](const Candidate& one) {
     return one.nameable && one.gain.likelihood > best.front().gain.likelihood - kRival &&
@@ -187,7 +189,9 @@ std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
   };
   for (const char* safer : {"refractive_index", "instrument_drift"})
     for (std::size_t k = 0; k < best.size(); ++k)
-      if (causes_[best[k].cause].id == safer && close(best[k])) return k;
+      if (causes_[best[k].cause].id == safer && close(best[k]) &&
+          best[k].evidence > best.front().evidence - kTie)
+        return k;
   // Nor is a cause named for what a simpler one does with some of its terms.
   for (std::size_t k = 1; k < best.size(); ++k)
     if (close(best[k]) && best[k].terms.size() < best.front().terms.size() &&

@@ -1,5 +1,7 @@
-// A robot that its load tilts, and a beam beside the centre of rotation, move a length alike. How
-// far beside it can be, the cell declares.
+// What is no larger than physics or the cell allows. A robot that its load tilts, and a beam beside
+// the centre of rotation, move a length alike: how far beside it can be, the cell declares. A part
+// that grows, and air that an instrument does not take out, scale a length alike: of the air no
+// more than the whole can be left.
 
 #include <gtest/gtest.h>
 
@@ -81,6 +83,47 @@ TEST(Plausible, AnOffsetThatNoMirrorHasIsNotNamed) {
   EXPECT_EQ(named(data, std::nullopt), "abbe_offset x;") << "a file from anywhere says nothing";
   const auto names = named(data, declared_lever_limits(with_beam(-3, 0.3)));
   EXPECT_EQ(names.find("abbe_offset"), std::string::npos) << names;
+}
+
+// An axis whose structure grows with t01, which the air around it follows within its readings.
+Dataset in_the_same_air(double ppm_per_k, double stroke_mm) {
+  std::mt19937_64 random(31);
+  std::normal_distribution<double> normal;
+  Dataset data;
+  data.rows = 300;
+  data.columns = {
+      {{"q1", "mm"}, {}}, {{"x", "mm"}, {}}, {{"t01", "degC"}, {}}, {{"air", "degC"}, {}}};
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const double at_mm = stroke_mm * (std::fmod(0.618 * static_cast<double>(row), 1.0) - 0.5);
+    const double warm_k = 0.7 * std::sin(static_cast<double>(row) / 45);
+    data.columns[0].values.push_back(at_mm + 1e-6 * ppm_per_k * warm_k * at_mm +
+                                     5e-6 * normal(random));
+    data.columns[1].values.push_back(at_mm);
+    data.columns[2].values.push_back(21 + warm_k + 0.002 * normal(random));
+    data.columns[3].values.push_back(21 + warm_k + 0.002 * normal(random));
+    data.time_s.push_back(30.0 * static_cast<double>(row));
+    data.set.push_back(row % 4 == 3 ? PointSet::validation : PointSet::calibration);
+  }
+  return data;
+}
+
+std::string cause_in(const Dataset& data) {
+  DiagnoseOptions options;
+  options.baseline = *formats::Formula::parse("q1 ~ x + x^2 + T")->expand(data);
+  options.nulls = 49;
+  const auto found = diagnose(data, options);
+  if (!found) return found.error().message;
+  std::string names;
+  for (const auto& finding : found->findings) names += finding.cause + ";";
+  return names;
+}
+
+TEST(Plausible, AGrowthOfFivePartsPerMillionIsNotTheAir) {
+  EXPECT_EQ(cause_in(in_the_same_air(5, 8)), "thermal_expansion;");
+}
+
+TEST(Plausible, AGrowthThatTheAirCanHaveIsTheInstrumentsFirst) {
+  EXPECT_EQ(cause_in(in_the_same_air(0.9, 40)), "refractive_index;");
 }
 
 }  // namespace
