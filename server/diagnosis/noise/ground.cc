@@ -10,6 +10,7 @@ namespace {
 constexpr double kAlreadyThere = 1e-4;  // of a column's whitened length
 constexpr double kWidths = 3;           // prior widths within which causes are compared
 constexpr double kLeast = 1e-12;        // of a sum of squares
+constexpr double kErrors = 2;           // standard errors of a correlation that is none
 
 // Columns whose amplitudes b have the prior N(0, width^2), integrated out: G = 1 + W' W with
 // W = white x width. ln det of I + W W', and what the sum of squares loses.
@@ -55,6 +56,23 @@ double likeliest_share(const ByShare& two_ln, bool may_not_act) {
   const auto best = std::ranges::max_element(two_ln);
   if (may_not_act && *best < 0) return 0;
   return kPriorShares[static_cast<std::size_t>(best - two_ln.begin())];
+}
+
+double counted_times(const Eigen::Ref<const Eigen::VectorXd>& of_output,
+                     const Eigen::MatrixXd& alike) {
+  const Eigen::VectorXd gains = of_output.cwiseMax(0);
+  const double sum = gains.sum();
+  if (!(sum > 0)) return 1;
+  const Eigen::VectorXd sizes = gains.cwiseSqrt();
+  return std::max(1.0, sizes.dot(alike * sizes) / sum);
+}
+
+Eigen::MatrixXd outputs_alike(const Eigen::MatrixXd& correlation, double n) {
+  const double chance = std::min(kErrors / std::sqrt(std::max(n, 1.0)), 0.5);
+  Eigen::MatrixXd result =
+      ((correlation.cwiseAbs().array() - chance) / (1 - chance)).max(0.0).matrix();
+  result.diagonal().setOnes();
+  return result;
 }
 
 SharedShape shared_shape(const Eigen::MatrixXd& criterion) {
@@ -118,6 +136,8 @@ Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
   auto shared = shared_shape(criterion_);
   total_ = shared.total;
   best_ = std::move(shared.shape);
+  if (!spaces_.empty())
+    alike_ = outputs_alike(correlation(), static_cast<double>(spaces_.front().dof()));
 }
 
 double Ground::white_sd(Eigen::Index output) const {
@@ -177,7 +197,8 @@ Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& 
         criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(static_cast<Eigen::Index>(s), o);
     result.contribution[at] = std::move(contribution[s][at]);
   }
-  result.likelihood = result.gain = total_ - shared.total;
+  const Eigen::Map<const Eigen::VectorXd> each(result.of_output.data(), outputs());
+  result.likelihood = result.gain = (total_ - shared.total) / counted_times(each, alike_);
   return result;
 }
 
@@ -221,8 +242,8 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   }
   const auto shared = shared_shape(with);
   result.shape = shared.shape;
-  result.gain = total_ - shared.total;
-  result.likelihood = total_ - shared_shape(with_free).total;
+  const auto shared_free = shared_shape(with_free);
+  Eigen::VectorXd of_free = Eigen::VectorXd::Zero(outputs());
   for (Eigen::Index o = 0; o < outputs(); ++o) {
     if ((prior.col(o).array() <= 0).all()) continue;
     const auto at = static_cast<std::size_t>(o);
@@ -230,7 +251,12 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
     result.of_output[at] = criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(s, o);
     result.share[at] = share(s, o);
     result.contribution[at] = std::move(contribution[shared.shape[at]][at]);
+    of_free[o] = criterion_(static_cast<Eigen::Index>(best_[at]), o) -
+                 with_free(static_cast<Eigen::Index>(shared_free.shape[at]), o);
   }
+  const Eigen::Map<const Eigen::VectorXd> each(result.of_output.data(), outputs());
+  result.gain = (total_ - shared.total) / counted_times(each, alike_);
+  result.likelihood = (total_ - shared_free.total) / counted_times(of_free, alike_);
   return result;
 }
 

@@ -58,6 +58,16 @@ struct SharedShape {
 // criterion: shapes x outputs, twice the negative log-likelihood of each alone.
 SharedShape shared_shape(const Eigen::MatrixXd& criterion);
 
+// How many times one and the same chance counts in a sum over outputs whose noise hangs together:
+// the variance of their noise in the direction in which the gains lie. 1: independent outputs, or
+// one that gains alone; the number of outputs where one instrument's noise is in all of them, as
+// behind the legs of a hexapod. of_output: 2 ln L. alike: outputs_alike().
+double counted_times(const Eigen::Ref<const Eigen::VectorXd>& of_output,
+                     const Eigen::MatrixXd& alike);
+// Correlation between outputs in size, less twice its standard error of n rows.
+Eigen::MatrixXd outputs_alike(const Eigen::MatrixXd& correlation, double n);
+
+// gain, likelihood: of all outputs, each chance counted once (counted_times()).
 struct Gain {
   double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it
   double likelihood = 0;  // growth of 2 ln L at the best amplitudes within three prior widths
@@ -90,6 +100,8 @@ class Ground {
   double worse_by(std::size_t shape, Eigen::Index output) const;
   // Correlation between the outputs of what is left, whitened.
   Eigen::MatrixXd correlation() const;
+  // Of it what is beyond chance: outputs_alike().
+  const Eigen::MatrixXd& alike() const { return alike_; }
 
   // columns: rows x c, centred or not. Amplitudes are integrated out under their prior.
   Gain gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
@@ -112,6 +124,7 @@ class Ground {
   Eigen::MatrixXd criterion_;          // shapes x outputs
   double total_ = 0;                   // criterion of all outputs together
   std::vector<std::size_t> best_;
+  Eigen::MatrixXd alike_;
 };
 
 }  // namespace driftwise::diagnosis

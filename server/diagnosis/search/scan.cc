@@ -99,6 +99,31 @@ Eigen::ArrayXXf shared_total(const std::vector<ByShape>& of_output) {
   return total;
 }
 
+// As counted_times() of ground.h, of every series and cell: each output's gain under the shape that
+// suits it best.
+Eigen::ArrayXXf counted_times_of(const std::vector<ByShape>& without,
+                                 const std::vector<ByShape>& with, const Eigen::MatrixXf& alike) {
+  const auto lowest = [](const ByShape& shapes) {
+    Eigen::ArrayXXf own = shapes.front();
+    for (const auto& shape : shapes) own = own.min(shape);
+    return own;
+  };
+  std::vector<Eigen::ArrayXXf> sizes;
+  Eigen::ArrayXXf sum = Eigen::ArrayXXf::Zero(with[0][0].rows(), with[0][0].cols());
+  for (std::size_t o = 0; o < with.size(); ++o) {
+    const Eigen::ArrayXXf gains =
+        (lowest(without[o]).replicate(1, sum.cols()) - lowest(with[o])).max(0.0F);
+    sum += gains;
+    sizes.push_back(gains.sqrt());
+  }
+  Eigen::ArrayXXf together = sum;
+  for (std::size_t a = 0; a < sizes.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      together += 2 * alike(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) * sizes[a] *
+                  sizes[b];
+  return (together / sum.max(1e-20F)).max(1.0F);
+}
+
 struct Part {  // of a cause's cells, for one series
   Average average;
   float top = -1e30F, gain = -1e30F;
@@ -141,6 +166,8 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     }
   }
   const Eigen::ArrayXf total_without = shared_total(without).col(0);
+  const bool any_alike = (ground.alike().array() > 0).count() > ground.alike().rows();
+  const Eigen::MatrixXf alike = ground.alike().cast<float>();
   const auto slices = slices_of(bank, allowed);
   std::vector<std::vector<Part>> of_slice(slices.size());
   const auto job = [&](std::size_t at) {
@@ -206,9 +233,11 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
       }
     }
     const Eigen::ArrayXXf total_with = shared_total(with);
+    Eigen::ArrayXXf gains = total_without.replicate(1, cells) - total_with;
+    if (any_alike) gains /= counted_times_of(without, with, alike);
     std::vector<Part> best(static_cast<std::size_t>(count));
     for (Eigen::Index c = 0; c < cells; ++c) {
-      const Eigen::ArrayXf gain = total_without - total_with.col(c);
+      const auto gain = gains.col(c);
       const std::size_t cell = slice.first_cell + static_cast<std::size_t>(c);
       const auto weight = static_cast<float>(2 * bank.ln_weight[cell]);
       for (Eigen::Index k = 0; k < count; ++k) {
