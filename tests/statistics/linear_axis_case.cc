@@ -1,6 +1,7 @@
 #include "tests/statistics/linear_axis_case.h"
 
 #include <cstdio>
+#include <random>
 #include <stdexcept>
 
 #include "drivers/all_devices.h"
@@ -19,12 +20,40 @@ std::string sensor(std::size_t i) {
   return name;
 }
 
+std::string setting(const char* name, double value) {
+  return std::string(name) + "=" + std::to_string(value);
+}
+
+// Two faces with conductance h in series with that of the metal behind them, W/m2K.
+double in_series(double h, double metal) { return 1 / (1 / h + 1 / metal); }
+
+// Another machine in another room: each figure anywhere in the range that plant.toml states for it,
+// and a set-point that is moved by up to the published 2 K in either direction.
+std::vector<std::string> machine_and_room(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto within = [&](double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random);
+  };
+  const auto screwed = [&] { return within(1000, 5000); };  // W/m2K
+  std::vector<std::string> settings;
+  settings.push_back("room.schedule=[[0.0833, " + std::to_string(within(18, 22)) +
+                     "], [4.5, 20.0]]");
+  settings.push_back(setting("link.support_bridge.conductance_w_m2k", in_series(screwed(), 5567)));
+  settings.push_back(setting("link.support_carrier.conductance_w_m2k", in_series(screwed(), 4175)));
+  settings.push_back(setting("link.base_lower_arm.conductance_w_m2k", screwed()));
+  settings.push_back(setting("link.arm_stage.conductance_w_m2k", screwed()));
+  settings.push_back(setting("link.cover_inside.conductance_w_m2k", within(2, 4)));
+  settings.push_back(setting("link.cover_leak.flow_m3_h", within(0, 10)));
+  settings.push_back(setting("material.aluminium.expansion_ppm_k", within(21.5, 23.6)));
+  return settings;
+}
+
 }  // namespace
 
 SimulatedCase linear_axis_case(std::uint64_t seed) {
-  const auto plant =
-      simulated::make_plant(testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR),
-                            {.seed = seed, .overrides = {}, .epoch_ns = kAxisEpoch});
+  const auto plant = simulated::make_plant(
+      testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR),
+      {.seed = seed, .overrides = machine_and_room(seed), .epoch_ns = kAxisEpoch});
   const auto campaign = testing_support::run_plant_campaign(*plant, kAxisEpoch);
   SimulatedCase out;
   const std::string file =
