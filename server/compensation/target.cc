@@ -347,7 +347,8 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
     case Refusal::no_model:
       if (snapshot.unserved) return *snapshot.unserved;
       return {ErrorCode::failed_precondition, reasons::kNoModel,
-              "no model serves: fit one and promote it"};
+              "no model serves: fit one and promote it, or ask the serving plan for a joint target "
+              "(driftwise plan target; text line: JOINT)"};
     case Refusal::missing_coordinate:
       return {ErrorCode::invalid_argument, reasons::kMissingCoordinate,
               "the request lacks " + names(snapshot, target.missing) +

@@ -104,7 +104,7 @@ class Diagnoser {
       if (!sides) break;
       // All over again: priors were weighed against a noise that had the sides in it.
     }
-    if (!progress_.at(1, "done")) return cancelled();
+    if (!progress_.at(1, "describing the findings")) return cancelled();
     return std::move(result_);
   }
 
