@@ -104,16 +104,38 @@ double TruthTable::at_zero(const std::string& name, std::int64_t until_ns) const
   return value;
 }
 
-double TruthTable::mean_about(const std::string& name, std::int64_t middle_ns) const {
+std::int64_t half_of_shortest_step_ns(const Dataset& data) {
+  double shortest_s = INFINITY;
+  for (std::size_t i = 1; i < data.rows; ++i)
+    shortest_s = std::min(shortest_s, data.time_s[i] - data.time_s[i - 1]);
+  return std::isfinite(shortest_s) ? static_cast<std::int64_t>(shortest_s * 5e8) : 0;
+}
+
+double TruthTable::mean_about(const std::string& name, std::int64_t middle_ns,
+                              std::int64_t late_ns) const {
   constexpr std::int64_t kNear_ns = 3'000'000'000;
   const auto index = column(name);
-  double sum = 0;
-  int count = 0;
-  for (auto row = std::ranges::lower_bound(rows_, middle_ns - kNear_ns + 1, {}, &Row::time_ns);
-       row != rows_.end() && row->time_ns < middle_ns + kNear_ns; ++row)
-    if (row->length) sum += row->values.at(index), ++count;
-  if (count == 0) throw std::runtime_error("the plant's log has no row for a point");
-  return sum / count;
+  const auto mean_near = [&](std::int64_t at_ns) -> std::optional<double> {
+    double sum = 0;
+    int count = 0;
+    for (auto row = std::ranges::lower_bound(rows_, at_ns - kNear_ns + 1, {}, &Row::time_ns);
+         row != rows_.end() && row->time_ns < at_ns + kNear_ns; ++row)
+      if (row->length) sum += row->values.at(index), ++count;
+    return count > 0 ? std::optional(sum / count) : std::nullopt;
+  };
+  if (const auto mean = mean_near(middle_ns)) return *mean;
+  std::int64_t nearest_ns = rows_.empty() ? 0 : rows_.front().time_ns;
+  for (const auto& row : rows_)
+    if (row.length && std::abs(row.time_ns - middle_ns) < std::abs(nearest_ns - middle_ns))
+      nearest_ns = row.time_ns;
+  const auto mean = mean_near(nearest_ns);
+  const auto away_ns = std::abs(nearest_ns - middle_ns);
+  if (!mean || away_ns > late_ns)
+    throw std::runtime_error(
+        "the plant's log has no row of a point's readings: the nearest is " +
+        std::to_string(away_ns / 1'000'000'000) + " s of cell time away, expected at most " +
+        std::to_string(late_ns / 1'000'000'000) + " s: run the demo on a computer with less to do");
+  return *mean;
 }
 
 double TruthTable::mean_at_rest(const std::string& name, std::int64_t middle_ns,

@@ -35,15 +35,19 @@ ByInstrument by_instrument(const nlohmann::json& verification, const std::string
 // "# time_zero:" of an exported run: what its time_s counts from, UTC.
 std::int64_t time_zero_ns(const Dataset& data, const std::string& path);
 
+// Half of the shortest time between two rows: what is nearer to a row belongs to it. 0: one row.
+std::int64_t half_of_shortest_step_ns(const Dataset& data);
+
 // truth.csv: where the end-effector really was, a row for every zeroing and every length read.
 class TruthTable {
  public:
   explicit TruthTable(const std::string& path);
   // One column (nm) when the lengths were last zeroed up to an instant; NaN before the first.
   double at_zero(const std::string& column, std::int64_t until_ns) const;
-  // Its mean over the rows of lengths within 3 s of an instant: those of one point's readings.
-  // Throws std::runtime_error where there is none.
-  double mean_about(const std::string& column, std::int64_t middle_ns) const;
+  // Its mean over the rows of lengths within 3 s of an instant: those of one point's readings. A
+  // busy computer stamps them later than the plant answered: then those about the nearest row, at
+  // most late_ns away. Throws std::runtime_error where there is none.
+  double mean_about(const std::string& column, std::int64_t middle_ns, std::int64_t late_ns) const;
   // Its mean over the rows of any kind within 30 s of an instant in which q1, q2 and q3 rest where
   // they were commanded. Holds also where a busy computer answers seconds of cell time late.
   double mean_at_rest(const std::string& column, std::int64_t middle_ns,

@@ -95,12 +95,13 @@ Proof judge(const std::string& stem, const TruthTable& truth) {
   const auto* q_cmd = data.find("q1_cmd");
   if (!wanted || !q || !q_cmd) throw std::runtime_error(csv_path + ": no q1_mm or wanted position");
   const double at_zero_nm = truth.at_zero("end_effector_nm", zero_ns + 1'000'000'000);
+  const auto late_ns = half_of_shortest_step_ns(data);
   std::vector<double> in_truth, model_in_truth;
   for (std::size_t i = 0; i < data.rows; ++i) {
     if (!data.zero.empty() && data.zero[i] != 0) continue;
     const auto middle_ns = zero_ns + static_cast<std::int64_t>(data.time_s[i] * 1e9);
     in_truth.push_back(1e6 * wanted->values[i] -
-                       (truth.mean_about("end_effector_nm", middle_ns) - at_zero_nm));
+                       (truth.mean_about("end_effector_nm", middle_ns, late_ns) - at_zero_nm));
     model_in_truth.push_back(in_truth.back() + 1e6 * (q->values[i] - q_cmd->values[i]));
   }
   Proof proof{in_truth.size(), by_instrument(read_json(stem + ".verify.json"), "x"),

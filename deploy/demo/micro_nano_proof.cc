@@ -30,6 +30,7 @@ Errors judge_pose(const std::string& stem, const TruthTable& truth) {
   const auto data = read_dataset(path);
   const auto verification = read_json(stem + ".verify.json");
   const auto zero_ns = time_zero_ns(data, path);
+  const auto late_ns = half_of_shortest_step_ns(data);
   Errors errors;
   for (int k = 0; k < 3; ++k) {
     const std::string axis = kPose[k];
@@ -40,7 +41,7 @@ Errors judge_pose(const std::string& stem, const TruthTable& truth) {
       if (!data.zero.empty() && data.zero[i] != 0) continue;
       const auto middle_ns = zero_ns + static_cast<std::int64_t>(data.time_s[i] * 1e9);
       in_truth.push_back(1e6 * need(data, axis + "_target").values[i] -
-                         (truth.mean_about(axis + "_nm", middle_ns) - zero_nm));
+                         (truth.mean_about(axis + "_nm", middle_ns, late_ns) - zero_nm));
     }
     errors.truth[k] = error_figures(in_truth);
     errors.points = in_truth.size();
