@@ -121,6 +121,7 @@ class Extension {
   std::optional<std::vector<Candidate>> stand_ins(std::size_t index);
   std::optional<std::size_t> value_of_another(std::size_t index,
                                               const std::vector<Candidate>& best) const;
+  double wherever_it_acts(const std::string& id, const std::vector<Candidate>& best) const;
   std::size_t preferred(const std::vector<Candidate>& best) const;
   static bool before(const Candidate& a, const Candidate& b);
   Candidate of_cell(std::size_t cause, std::size_t cell, const Standing& standing,

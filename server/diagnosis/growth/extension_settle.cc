@@ -179,6 +179,18 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
   return std::nullopt;
 }
 
+// 2 ln of the evidence of a cause wherever it acts: which of ten thermometers a part grows with is
+// searched as a parameter is, with equal odds, and the best of ten alike gains nothing by their
+// number.
+double Extension::wherever_it_acts(const std::string& id,
+                                   const std::vector<Candidate>& best) const {
+  const auto places = std::ranges::count(causes_, id, &Cause::id);
+  double sum = 0;
+  for (const auto& one : best)
+    if (causes_[one.cause].id == id) sum += std::exp((one.evidence - best.front().evidence) / 2);
+  return 2 * std::log(sum / static_cast<double>(std::max<std::ptrdiff_t>(places, 1)));
+}
+
 // An instrument's air, or its drift, that the evidence does not tell from the robot's cause is the
 // safer name: what is said of the robot is served, and the set has both. A drift is what nothing
 // sensed explains, so the air comes before it.
@@ -187,10 +199,11 @@ std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
     return one.nameable && one.gain.likelihood > best.front().gain.likelihood - kRival &&
            one.evidence > best.front().evidence - kWithinReach;
   };
+  const double of_the_best = wherever_it_acts(causes_[best.front().cause].id, best);
   for (const char* safer : {"refractive_index", "instrument_drift"})
     for (std::size_t k = 0; k < best.size(); ++k)
       if (causes_[best[k].cause].id == safer && close(best[k]) &&
-          best[k].evidence > best.front().evidence - kTie)
+          wherever_it_acts(safer, best) > of_the_best - kTie)
         return k;
   // Nor is a cause named for what a simpler one does with some of its terms.
   for (std::size_t k = 1; k < best.size(); ++k)
