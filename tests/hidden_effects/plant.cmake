@@ -31,11 +31,11 @@ if(TARGET driftwise_application)
   target_compile_definitions(driftwise_hidden_accepted PRIVATE DRIFTWISE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   target_link_libraries(driftwise_hidden_accepted
     PUBLIC driftwise_hidden_plants
-    PRIVATE driftwise_application driftwise_compensation driftwise_formats driftwise_warnings)
+    PRIVATE driftwise_served_truth driftwise_warnings)
 
   add_executable(plant_accept
     plants/plant_accept_main.cc)
-  target_link_libraries(plant_accept PRIVATE driftwise_hidden_accepted driftwise_warnings)
+  target_link_libraries(plant_accept PRIVATE driftwise_hidden_accepted driftwise_served_truth driftwise_warnings)
 
   driftwise_test(hidden_effects_accept
     SOURCES

@@ -224,6 +224,7 @@ Generated attempt(const Order& order, int number) {
   MatrixXd dq = campaign.no_motor_error();
   MatrixXd dp = campaign.no_pose_error();
   made.read = campaign.read;
+  made.error_at_zero = VectorXd::Zero(campaign.robot.axes);
   for (const std::string& cause : causes) {
     Hidden one = order.kind == "unlisted" ? draw_unlisted(cause, campaign, effects)
                                           : draw_cause(cause, campaign, effects);
@@ -235,6 +236,9 @@ Generated attempt(const Order& order, int number) {
     dp += errors.dp;
     if (errors.read.size() > 0) {
       made.read = errors.read;
+    }
+    if (one.at_zero.size() > 0) {
+      made.error_at_zero += amplitude * one.at_zero;
     }
     effect.push_back(alone(campaign, errors).effect);
     amplitudes.push_back(amplitude);
@@ -278,6 +282,8 @@ Generated attempt(const Order& order, int number) {
     made.effect += one;
   }
   made.pose = campaign.pose(dq, dp, campaign.body);
+  made.true_pose = campaign.pose(dq, campaign.no_pose_error(), campaign.body);
+  made.instrument_error = dp;
   Random noise(order.seed, "noise" + tag);
   add_noise(made, hidden, amplitudes, noise);
   const MatrixXd none = campaign.no_motor_error();

@@ -55,6 +55,13 @@ struct Generated {
   // Error of the pose against the baseline's law: effect and noise, unit of the pose.
   Eigen::MatrixXd error;
   Eigen::MatrixXd effect;
+  // Without noise: where the end-effector is in every row, and what the instruments add to it. Unit
+  // of the pose.
+  Eigen::MatrixXd true_pose;
+  Eigen::MatrixXd instrument_error;
+  // Of each instrument at pose 0 in the conditions of the first row: a datum zeroed there counts
+  // from it.
+  Eigen::VectorXd error_at_zero;
   std::vector<Truth> truths;
   // Causes that are named rightly though nothing was hidden (spread that depends on place or hour).
   std::vector<std::string> allowed;

@@ -33,6 +33,12 @@ Errors on_pose(const Campaign& campaign, const VectorXd& shape, int coordinate) 
   return errors;
 }
 
+VectorXd at_zero_of(const Campaign& campaign, int coordinate, double error) {
+  VectorXd errors = VectorXd::Zero(campaign.robot.axes);
+  errors[coordinate] = error;
+  return errors;
+}
+
 // Weights of a mechanism that acts on one motor or on all, in the unit of each motor.
 VectorXd drawn_weights(const Campaign& campaign, Random& random) {
   VectorXd weights = VectorXd::Zero(campaign.robot.axes);
@@ -222,6 +228,7 @@ void cyclic(Hidden& hidden, const Campaign& campaign, Random& random) {
     weights[j] = 1.0;
     set_linear(hidden, on_motors(campaign, shape, weights));
   } else {
+    hidden.at_zero = at_zero_of(campaign, j, std::sin(phase));
     set_linear(hidden, on_pose(campaign, shape, j));
   }
 }
@@ -259,6 +266,7 @@ void instruments(Hidden& hidden, const Campaign& campaign, Random& random) {
     hidden.largest = std::max(1500.0, machine_mm(campaign));
     set_linear(hidden, on_pose(campaign, 1e-6 * air_shape(campaign), j));
   } else if (cause == "instrument_drift") {
+    hidden.at_zero = at_zero_of(campaign, j, sigma * campaign.time_s[0] / duration_s);
     set_linear(hidden, on_pose(campaign, sigma * campaign.time_s / duration_s, j));
   } else if (cause == "step_change") {
     const int row = campaign.calibration[static_cast<std::size_t>(
@@ -274,6 +282,7 @@ void instruments(Hidden& hidden, const Campaign& campaign, Random& random) {
     hidden.parameters["period_s"] = period_s;
     const VectorXd shape =
         (2.0 * std::numbers::pi / period_s * campaign.time_s.array() + phase).sin();
+    hidden.at_zero = at_zero_of(campaign, j, sigma * shape[0]);
     set_linear(hidden, on_pose(campaign, sigma * shape, j));
   } else if (cause == "probe_hysteresis") {
     const double slide = random.uniform(0.005, 0.02);

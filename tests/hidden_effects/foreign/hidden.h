@@ -26,6 +26,9 @@ struct Hidden {
   std::map<std::string, double> parameters;
   // Errors at an amplitude; most mechanisms are linear in it.
   std::function<Errors(double)> errors;
+  // Error of each instrument per unit of amplitude at pose 0, in the conditions of the first row.
+  // Empty: none.
+  Eigen::VectorXd at_zero;
   // First amplitude to try, and the largest that a machine has.
   double start = 1.0;
   double largest = 1e300;
