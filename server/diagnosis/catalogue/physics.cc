@@ -298,7 +298,7 @@ double Physics::range_factor(const Cause& cause, const effects::Term& term, doub
   if (id.starts_with("force_") || id == "backlash" || id == "creep") return 50;
   if (id == "instrument_drift") return 20;
   if (id == "cosine_error") return 1 / kOfWorstBeam;
-  // Of the way measured at most the whole: an instrument that takes nothing of the index out.
+  // Share of the measured path: at most the whole, of an instrument that corrects nothing.
   if (id == "refractive_index" && read_by(term, kAxes) >= 0) return 1;
   if (id == "cyclic_error" || id == "periodic_disturbance" || id == "refractive_index") return 10;
   return kRange;

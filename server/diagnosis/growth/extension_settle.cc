@@ -179,9 +179,9 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
   return std::nullopt;
 }
 
-// 2 ln of the evidence of a cause wherever it acts: which of ten thermometers a part grows with is
-// searched as a parameter is, with equal odds, and the best of ten alike gains nothing by their
-// number.
+// Evidence of a cause over all of its subjects, as 2 ln of the ratio to the best candidate. The
+// subject, one of ten thermometers, is searched as a parameter is, with equal odds: the best of ten
+// alike gains nothing by their number.
 double Extension::wherever_it_acts(const std::string& id,
                                    const std::vector<Candidate>& best) const {
   const auto places = std::ranges::count(causes_, id, &Cause::id);

@@ -58,10 +58,10 @@ struct SharedShape {
 // criterion: shapes x outputs, twice the negative log-likelihood of each alone.
 SharedShape shared_shape(const Eigen::MatrixXd& criterion);
 
-// How many times one and the same chance counts in a sum over outputs whose noise hangs together:
-// the variance of their noise in the direction in which the gains lie. 1: independent outputs, or
-// one that gains alone; the number of outputs where one instrument's noise is in all of them, as
-// behind the legs of a hexapod. of_output: 2 ln L. alike: outputs_alike().
+// Variance of the outputs' noise in the direction of their gains: so many times one chance counts
+// in a sum over outputs. 1: the outputs are independent, or one gains alone. The number of outputs:
+// one instrument's noise is in all of them, as behind the legs of a hexapod. of_output: 2 ln L.
+// alike: outputs_alike().
 double counted_times(const Eigen::Ref<const Eigen::VectorXd>& of_output,
                      const Eigen::MatrixXd& alike);
 // Correlation between outputs in size, less twice its standard error of n rows.
@@ -100,7 +100,7 @@ class Ground {
   double worse_by(std::size_t shape, Eigen::Index output) const;
   // Correlation between the outputs of what is left, whitened.
   Eigen::MatrixXd correlation() const;
-  // Of it what is beyond chance: outputs_alike().
+  // The part of it beyond chance: outputs_alike().
   const Eigen::MatrixXd& alike() const { return alike_; }
 
   // columns: rows x c, centred or not. Amplitudes are integrated out under their prior.

@@ -99,8 +99,8 @@ Eigen::ArrayXXf shared_total(const std::vector<ByShape>& of_output) {
   return total;
 }
 
-// As counted_times() of ground.h, of every series and cell: each output's gain under the shape that
-// suits it best.
+// counted_times() of ground.h for every series and cell, with each output's gain under the shape
+// that suits it best.
 Eigen::ArrayXXf counted_times_of(const std::vector<ByShape>& without,
                                  const std::vector<ByShape>& with, const Eigen::MatrixXf& alike) {
   const auto lowest = [](const ByShape& shapes) {

@@ -74,7 +74,7 @@ Result<void> check_version(const CsvHeader& header, const std::string& file_name
   return {};
 }
 
-// Of a file whose header is another program's: how it becomes a dataset.
+// Refusal of another program's header, with the command that makes a dataset of the file.
 Error with_way_out(Error error) {
   if (error.reason == reasons::kNoHeader || error.reason == reasons::kQuotedField ||
       error.reason == reasons::kBadChannel)

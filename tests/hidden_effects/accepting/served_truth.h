@@ -25,7 +25,7 @@ namespace driftwise::hidden {
 struct TrueRows {
   CellTime time_zero;          // of time_s
   std::vector<double> time_s;  // known here where the data have no times, too
-  // Where the end-effector was, in the frame of the instruments' zero: mm, arcsec, N.
+  // Poses of the end-effector in the frame of the instruments' zero: mm, arcsec, N.
   struct Asked {
     compensation::Variable variable;
     std::vector<double> values;

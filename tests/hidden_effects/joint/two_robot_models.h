@@ -37,8 +37,8 @@ calibration::Model micro_nano_model(Machine& plant, joint_plant::Room room, bool
 // All models of both robots by the seeds that follow this one.
 ModelsById models_of(Machine& plant, std::uint64_t seed, Knowledge knowledge);
 
-// What the instruments of the plant are declared with: the noise of one reading. The scales' counts
-// are where the motors stand, by the plant's own word: nothing is declared of them.
+// Cell that declares the plant's instruments, each with the noise of one reading. Nothing is
+// declared of the scales: their counts are the positions of the motors, by the plant's own word.
 CellDescription cell_of_both();
 
 // Coarse and fine model of the MinAngle blended; parasitic translations to the Micro-Nano, its

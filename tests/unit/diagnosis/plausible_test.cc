@@ -1,7 +1,6 @@
-// What is no larger than physics or the cell allows. A robot that its load tilts, and a beam beside
-// the centre of rotation, move a length alike: how far beside it can be, the cell declares. A part
-// that grows, and air that an instrument does not take out, scale a length alike: of the air no
-// more than the whole can be left.
+// Sizes that physics or the cell allows. A robot that its load tilts and a beam off the centre of
+// rotation move a length alike; the cell declares the largest offset. A part that grows and air
+// that an instrument does not take out scale a length alike; the air's share is at most the whole.
 
 #include <gtest/gtest.h>
 
