@@ -16,6 +16,7 @@
 #include "server/calibration/linear/row_reduction.h"
 #include "server/calibration/linear/tail.h"
 #include "server/calibration/noise/serial_errors.h"
+#include "server/calibration/placed_terms.h"
 #include "server/calibration/report/enough_rows.h"
 #include "server/calibration/report/held_out.h"
 #include "server/calibration/report/influence.h"
@@ -227,10 +228,27 @@ std::string datum_note(const DatumZero& zero) {
   return "the zero of " + name + " lies at" + at + " of the first: its rows are fitted there";
 }
 
+// Per output and column: 1 for a placed term in an output that is not among its own. Empty: none.
+std::vector<std::vector<char>> left_out_of(const Design& design,
+                                           const std::vector<PlacedTerm>& placed) {
+  std::vector<std::vector<char>> out;
+  if (placed.empty()) return out;
+  for (const auto& channel : design.outputs) {
+    auto& of_output = out.emplace_back(design.terms.size(), 0);
+    for (const auto& one : placed)
+      if (std::ranges::find(one.outputs, channel.symbol) == one.outputs.end())
+        for (std::size_t j = 0; j < design.terms.size(); ++j)
+          if (design.terms[j] == effects::canonical(one.term)) of_output[j] = 1;
+  }
+  return out;
+}
+
 // The rows as they are, every datum with its constant.
-Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
+Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
+                       const std::vector<PlacedTerm>& placed) {
   DRIFTWISE_TRY(auto prepared, make_design(dataset, options));
   DRIFTWISE_TRY(auto asked, selection_rule(options, prepared));
+  asked.left_out = left_out_of(prepared, placed);
   const SelectionRule& rule = asked;
   const Design& design = prepared;
   DRIFTWISE_RETURN_IF_ERROR(check_enough_rows(dataset, design, options));
@@ -306,8 +324,13 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
 }  // namespace
 
 Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
+  return fit(dataset, options, {});
+}
+
+Result<Model> fit(const Dataset& dataset, const FitOptions& options,
+                  const std::vector<PlacedTerm>& placed) {
   if (const auto usable = without_unusable(dataset)) {
-    auto model = fit(usable->data, options);
+    auto model = fit(usable->data, options, placed);
     if (!model) {
       Error error = model.error();
       error.message += "; " + usable->sentence;
@@ -320,8 +343,8 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
   auto zeros = find_datum_zeros(dataset, options);
   const double took_us = options.stopwatch_us ? options.stopwatch_us() - start_us : 0;
-  auto model = any_moved(zeros) ? fit_rows(in_first_datum(dataset, zeros), options)
-                                : fit_rows(dataset, options);
+  auto model = any_moved(zeros) ? fit_rows(in_first_datum(dataset, zeros), options, placed)
+                                : fit_rows(dataset, options, placed);
   if (!model) return model;
   for (const auto& zero : zeros) model->warnings.push_back(datum_note(zero));
   for (auto& sentence : part_warnings(dataset, *model))

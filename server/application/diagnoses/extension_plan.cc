@@ -7,6 +7,8 @@
 #include <map>
 
 #include "server/application/diagnoses/instrument_agreement.h"
+#include "server/application/diagnoses/taken_side.h"
+#include "server/compensation/snapshot.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -38,17 +40,23 @@ std::vector<RunId> runs_in(const RunsData& data) {
 
 class Planner {
  public:
-  Planner(DiagnosisId id, const diagnosis::Diagnosis& found, const RunsData& data)
-      : id_(id), found_(found), data_(data) {
-    plan_.formula = found.baseline_formula;
+  Planner(DiagnosisId id, const diagnosis::Diagnosis& found, const RunsData& data,
+          std::string taken_as)
+      : id_(id), found_(found), data_(data), taken_as_(std::move(taken_as)) {
+    plan_.baseline = plan_.formula = found.baseline_formula;
   }
 
   Result<ExtensionPlan> plan(const std::vector<int>& chosen) {
     plan_.findings = chosen;
     for (const int number : chosen) {
-      const auto& finding = found_.findings[static_cast<std::size_t>(number - 1)];
+      DRIFTWISE_TRY(const auto finding, with_side(number));
       DRIFTWISE_RETURN_IF_ERROR(add(number, finding));
     }
+    if (!taken_as_.empty() && taken_as_ != kAsNamed && !took_side_)
+      return fail(ErrorCode::failed_precondition, reasons::kNoSuchFinding,
+                  fmt::format("none of the chosen findings of diagnosis {} may be the robot's as "
+                              "well as an instrument's, so nothing is taken as '{}'",
+                              id_.value, taken_as_));
     for (auto& [run, rows] : rows_out_) {
       std::ranges::sort(rows);
       const auto again = std::ranges::unique(rows);
@@ -62,7 +70,7 @@ class Planner {
                                   "",
                                   ""});
     }
-    if (!plan_.extends_model && plan_.amendment.empty() && plan_.exclusions.empty())
+    if (plan_.of_robot.empty() && plan_.amendment.empty() && plan_.exclusions.empty())
       return fail(ErrorCode::failed_precondition, reasons::kNothingToMake,
                   fmt::format("what was chosen of diagnosis {} changes no model, correction or "
                               "row: {}",
@@ -71,13 +79,64 @@ class Planner {
     return std::move(plan_);
   }
 
- private:
+  // As it is taken where it may be the robot's or an instrument's; else as it is.
+  Result<diagnosis::Finding> with_side(int number) {
+    const auto& finding = found_.findings[static_cast<std::size_t>(number - 1)];
+    const bool is_jump = finding.cause == "step_change";
+    if (!is_jump && rivals_across(finding).empty()) return finding;
+    if (taken_as_ == kAsNamed) return finding;
+    if (!taken_as_.empty()) {
+      took_side_ = true;
+      return taken_as(found_, number, taken_as_, data_.data);
+    }
+    if (is_jump)
+      if (const auto told = told_by_outputs(finding))
+        return taken_as(found_, number, std::string(to_string(*told)), data_.data);
+    return tl::unexpected(side_unknown(id_, found_, number));
+  }
+
+  // A target asks for the motors at a wanted pose and force: what follows one of them other than as
+  // a power, or along a motor's path, has no value before it is there.
+  static Result<void> check_servable(int number, const diagnosis::Finding& finding) {
+    for (const auto& term : finding.terms)
+      for (const auto& factor : term.factors) {
+        const auto* call = std::get_if<effects::Call>(&factor);
+        const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
+        if (kind == nullptr || kind->observes_path || kind->in_data_time) continue;
+        for (const auto& symbol : call->symbols) {
+          const bool is_motor = is_motor_symbol(symbol);
+          if (!is_motor && !compensation::variable_from(symbol)) continue;
+          return fail(
+              ErrorCode::failed_precondition, reasons::kTermNotServable,
+              fmt::format(
+                  "finding {} ({}): its term {} follows {}, which a target asks for: it cannot be "
+                  "served, and nothing was stored. {}",
+                  number, name_of(finding), effects::notation(term), symbol,
+                  is_motor ? "Correct the scale of that motor in its controller, measure again and "
+                             "diagnose again"
+                           : "Fit a formula with powers instead, such as F + F^2 + F^3, which "
+                             "follow it over the loads that were hung"));
+        }
+      }
+    return {};
+  }
+
+  std::optional<Side> told_by_outputs(const diagnosis::Finding& finding) {
+    if (finding.terms.size() != 1 || !rivals_across(finding).empty() || !find_slopes())
+      return std::nullopt;
+    return side_of_jump(finding, {outputs_, axes_, slopes_, seen_mm(finding), {}});
+  }
+
   Result<void> add(int number, const diagnosis::Finding& finding) {
     using effects::AppliesTo;
     const bool is_jump = finding.cause == "step_change";
     if (finding.applies_to == AppliesTo::robot) {
-      for (const auto& term : finding.terms) plan_.formula += " + " + effects::notation(term);
-      plan_.extends_model |= !finding.terms.empty();
+      if (finding.terms.empty()) return {};
+      if (auto ok = check_servable(number, finding); !ok) return ok;
+      if (!is_jump)
+        for (const auto& term : finding.terms) plan_.formula += " + " + effects::notation(term);
+      plan_.extends_model |= !is_jump;
+      plan_.of_robot.push_back(finding);
       return {};
     }
     if (is_jump) return split_datum(finding);
@@ -126,17 +185,8 @@ class Planner {
   Result<void> correct(int number, const diagnosis::Finding& finding) {
     if (finding.terms.empty()) return {};
     if (auto ok = find_slopes(); !ok) return ok;
-    const auto outputs = static_cast<Eigen::Index>(outputs_.size());
     const auto terms = static_cast<Eigen::Index>(finding.terms.size());
-    Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(outputs, terms);  // mm of q per unit of a term
-    for (const auto& output : finding.outputs) {
-      const auto at = std::ranges::find(outputs_, output.output, &Channel::symbol);
-      if (at == outputs_.end() || output.coefficients.size() != finding.terms.size()) continue;
-      const double mm_per_unit = mm_from_nm(summary_unit(at->unit).factor);
-      for (Eigen::Index j = 0; j < terms; ++j)
-        seen(at - outputs_.begin(), j) =
-            mm_per_unit * output.coefficients[static_cast<std::size_t>(j)];
-    }
+    const Eigen::MatrixXd seen = seen_mm(finding);
     // q = f(pose read - e) = f(pose read) - slopes e: what was seen in q is - slopes e.
     const auto only = std::ranges::find(axes_, finding.subject);
     const auto first = only == axes_.end() ? 0 : only - axes_.begin();
@@ -160,6 +210,22 @@ class Planner {
       plan_.amendment.shifts.push_back(std::move(shift));
     }
     return {};
+  }
+
+  // Outputs x terms: mm of q per unit of a term.
+  Eigen::MatrixXd seen_mm(const diagnosis::Finding& finding) const {
+    const auto outputs = static_cast<Eigen::Index>(outputs_.size());
+    const auto terms = static_cast<Eigen::Index>(finding.terms.size());
+    Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(outputs, terms);
+    for (const auto& output : finding.outputs) {
+      const auto at = std::ranges::find(outputs_, output.output, &Channel::symbol);
+      if (at == outputs_.end() || output.coefficients.size() != finding.terms.size()) continue;
+      const double mm_per_unit = mm_from_nm(summary_unit(at->unit).factor);
+      for (Eigen::Index j = 0; j < terms; ++j)
+        seen(at - outputs_.begin(), j) =
+            mm_per_unit * output.coefficients[static_cast<std::size_t>(j)];
+    }
+    return seen;
   }
 
   // Of the simulation it began from, fitted to the same data.
@@ -187,6 +253,8 @@ class Planner {
   DiagnosisId id_;
   const diagnosis::Diagnosis& found_;
   const RunsData& data_;
+  std::string taken_as_;
+  bool took_side_ = false;
   ExtensionPlan plan_;
   std::map<RunId, std::vector<std::int64_t>> rows_out_;
   std::map<RunId, std::string> reason_of_;
@@ -227,17 +295,31 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
 }
 
 Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis& found,
-                                     const std::vector<int>& chosen, const RunsData& data) {
+                                     const std::vector<int>& chosen, const RunsData& data,
+                                     const std::string& taken_as) {
   const auto robot = formats::robot_of_formula(found.baseline_formula);
-  if (robot.empty()) return Planner(id, found, data).plan(chosen);
+  if (robot.empty()) return Planner(id, found, data, taken_as).plan(chosen);
   const formats::RobotNames names(data.data, robot);
   const auto bare = names.bare(found);
   const RunsData part{names.bare(data.data), data.origins, data.time_zero};
-  auto plan = Planner(id, bare, part).plan(chosen);
+  auto plan = Planner(id, bare, part, names.bare(taken_as)).plan(chosen);
   if (!plan) return tl::unexpected(names.with_id(std::move(plan.error())));
+  plan->baseline = names.with_id(plan->baseline);
   plan->formula = names.with_id(plan->formula);
   plan->amendment = names.with_id(std::move(plan->amendment));
+  diagnosis::Diagnosis of_robot;
+  of_robot.findings = std::move(plan->of_robot);
+  plan->of_robot = names.with_id(std::move(of_robot)).findings;
   return plan;
+}
+
+std::vector<int> with_known_side(const diagnosis::Diagnosis& found, std::vector<int> numbers,
+                                 const RunsData& data) {
+  std::erase_if(numbers, [&](int number) {
+    const auto plan = plan_extension(DiagnosisId{}, found, {number}, data);
+    return !plan && plan.error().reason == reasons::kIndistinguishable;
+  });
+  return numbers;
 }
 
 Result<void> put_in_force(const ExtensionPlan& plan, RunsData& data) {

@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "server/application/datasets/extension_preview.h"
+#include "server/application/diagnoses/extension_fit.h"
 #include "server/application/diagnoses/extension_plan.h"
+#include "server/application/diagnoses/taken_side.h"
 #include "server/application/models/fit_options.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/run_on.h"
@@ -24,6 +26,7 @@ struct AcceptMaterial {  // read from the store
   DiagnosisRecord record;
   diagnosis::Diagnosis found;
   std::vector<int> chosen;
+  std::string taken_as;
   RunsData data;
   std::vector<CorrectionId> corrections;  // in force over them
   std::optional<ModelRecord> parent;
@@ -47,6 +50,7 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   material.found = std::move(found);
   DRIFTWISE_TRY(auto chosen, chosen_findings(material.found, request.findings));
   material.chosen = std::move(chosen);
+  material.taken_as = request.findings.empty() ? "" : kAsNamed;  // chosen by a person
   if (material.record.runs.empty())
     return fail(ErrorCode::failed_precondition, reasons::kFromAFile,
                 fmt::format("diagnosis {} is of a file, which the record does not keep: import it "
@@ -96,33 +100,26 @@ FitRequest fit_of(const AcceptMaterial& material, const ExtensionPlan& plan) {
 
 Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
                                      const CellDescription& cell) {
-  DRIFTWISE_TRY(auto plan,
-                plan_extension(material.record.id, material.found, material.chosen, material.data));
+  DRIFTWISE_TRY(auto plan, plan_extension(material.record.id, material.found, material.chosen,
+                                          material.data, material.taken_as));
   DRIFTWISE_RETURN_IF_ERROR(put_in_force(plan, material.data));
-  auto fit = fit_of(material, plan);
-  auto model = fit_record(material.data.data, fit, source_of(fit));
-  // A baseline may name terms that these data cannot hold apart: the selection takes what they can.
-  if (!model && model.error().reason == reasons::kRankDeficient) {
-    fit.select = "stepwise";
-    model = fit_record(material.data.data, fit, source_of(fit));
-  }
-  DRIFTWISE_RETURN_IF_ERROR(model);
+  DRIFTWISE_TRY(auto model, fit_extension(plan, material.data.data, fit_of(material, plan)));
   std::vector<std::string> questions;
   if (promote) {  // whether it can serve is seen before anything is kept
-    DRIFTWISE_TRY(auto whole, formats::read_model_json(model->json));
+    DRIFTWISE_TRY(auto whole, formats::read_model_json(model.json));
     questions = temperature_questions(whole, cell);
     DRIFTWISE_RETURN_IF_ERROR(
         compensation::SnapshotBuilder::create(std::move(whole), ModelId{}, cell));
   }
-  return MadeExtension{std::move(plan), std::move(*model), std::move(questions)};
+  return MadeExtension{std::move(plan), std::move(model), std::move(questions)};
 }
 
 // Without a fit where none is needed: what changes, and what a promotion would ask.
 Result<MadeExtension> previewed(const AcceptMaterial& material, bool promote,
                                 const CellDescription& cell) {
   if (promote) return make_extension(material, promote, cell);
-  DRIFTWISE_TRY(auto plan,
-                plan_extension(material.record.id, material.found, material.chosen, material.data));
+  DRIFTWISE_TRY(auto plan, plan_extension(material.record.id, material.found, material.chosen,
+                                          material.data, material.taken_as));
   return MadeExtension{std::move(plan), {}, {}};
 }
 

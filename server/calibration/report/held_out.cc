@@ -105,7 +105,7 @@ std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule
           select_from_starts(*triangle, design.basis, design.always, o, rule).selection.set.order();
     } else {
       for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
-        if (triangle->columns.col(j).squaredNorm() > 0)
+        if (triangle->columns.col(j).squaredNorm() > 0 && !rule.leaves_out(o, j))
           columns.push_back(j);  // datum(k) without rows
     }
     const Solution solution = solve(*triangle, design.basis, columns, o);

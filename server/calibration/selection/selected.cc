@@ -32,9 +32,10 @@ Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangl
                                              const SelectionRule& rule, const Executor& executor) {
   std::vector<Fitted> fitted;
   for (Index o = 0; o < static_cast<Index>(design.outputs.size()); ++o) {
-    if (!rule.stepwise && o == 0) {
-      std::vector<int> every(design.terms.size());
-      for (std::size_t j = 0; j < every.size(); ++j) every[j] = static_cast<int>(j);
+    if (!rule.stepwise && (o == 0 || !rule.left_out.empty())) {
+      std::vector<int> every;
+      for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
+        if (!rule.leaves_out(o, j)) every.push_back(j);
       const Solution trial = solve(triangle, design.basis, every, o);
       if (!trial.deficient.empty()) return rank_error(design, triangle, trial.deficient);
     }

@@ -33,12 +33,15 @@ Eigen::VectorXd own_norms(const Triangle& triangle, const Basis& basis) {
 // Which changes the rule and hierarchy allow now.
 class Allowed {
  public:
-  Allowed(const SelectionRule& rule, const std::vector<char>& always, const OrthogonalSet& set)
-      : rule_(rule), always_(always), set_(set) {}
+  Allowed(const SelectionRule& rule, const std::vector<char>& always, Eigen::Index output,
+          const OrthogonalSet& set)
+      : rule_(rule), always_(always), output_(output), set_(set) {}
 
   bool entering(int column) const {
     const auto j = static_cast<std::size_t>(column);
-    if (set_.has(column) || (!rule_.barred.empty() && rule_.barred[j] != 0)) return false;
+    if (set_.has(column) || (!rule_.barred.empty() && rule_.barred[j] != 0) ||
+        rule_.leaves_out(output_, column))
+      return false;
     return rule_.parents.empty() ||
            std::ranges::all_of(rule_.parents[j], [this](int parent) { return set_.has(parent); });
   }
@@ -53,6 +56,7 @@ class Allowed {
  private:
   const SelectionRule& rule_;
   const std::vector<char>& always_;
+  Eigen::Index output_;
   const OrthogonalSet& set_;
 };
 
@@ -155,12 +159,13 @@ Selection select(const Triangle& triangle, const Basis& basis, const std::vector
   const int columns = static_cast<int>(triangle.columns.cols());
   for (int j = 0; j < columns; ++j) {
     if (rule.stepwise && always[static_cast<std::size_t>(j)] == 0) continue;
+    if (rule.leaves_out(output, j)) continue;
     if (!rule.stepwise || (set.dof() > 1 && !set.collinear(j)))
       set.enter(j);
     else
       selection.unestimable.push_back(j);
   }
-  const Allowed allowed(rule, always, set);
+  const Allowed allowed(rule, always, output, set);
   for (const int j : from)
     if (allowed.entering(j) && set.dof() > 2 && !set.collinear(j)) set.enter(j);
   const auto record = [&](SelectionRecord one) {

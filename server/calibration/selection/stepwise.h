@@ -31,8 +31,16 @@ struct SelectionRule {
   Criterion criterion = Criterion::p;
   std::vector<std::vector<int>> parents;  // hierarchy: per column; empty: none is asked for
   std::vector<char> barred;               // per column: may never enter; empty: none
-  int starts = 1;                         // see starts.h
+  // Per output and column: left out of this output, whatever else is said of the column; empty:
+  // none is.
+  std::vector<std::vector<char>> left_out;
+  int starts = 1;  // see starts.h
   std::int64_t seed = 1;
+
+  bool leaves_out(Eigen::Index output, int column) const {
+    return !left_out.empty() &&
+           left_out[static_cast<std::size_t>(output)][static_cast<std::size_t>(column)] != 0;
+  }
 };
 
 struct SelectionRecord {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "server/application/diagnoses/extension_fit.h"
 #include "server/application/models/fit_options.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
@@ -93,11 +94,17 @@ Result<AcceptedModel> accept_all(const diagnosis::Diagnosis& found, const Datase
   });
   if (all.empty())
     return fail(ErrorCode::failed_precondition, reasons::kNothingFound, "nothing to make");
-  DRIFTWISE_TRY(auto chosen, application::chosen_findings(found, all));
   auto runs = as_runs(data, time_zero);
+  const auto told = application::with_known_side(found, all, runs);
+  // Nobody is there to say whose deviation the others are: as the daemon answers then.
+  DRIFTWISE_TRY(auto chosen, application::chosen_findings(found, told.empty() ? all : told));
   DRIFTWISE_TRY(auto plan, application::plan_extension(DiagnosisId{1}, found, chosen, runs));
   DRIFTWISE_RETURN_IF_ERROR(application::put_in_force(plan, runs));
-  DRIFTWISE_TRY(auto model, fitted(runs, plan.formula));
+  application::FitRequest fit;
+  fit.runs = runs_of(runs);
+  fit.select = "all";
+  DRIFTWISE_TRY(const auto record, application::fit_extension(plan, runs.data, std::move(fit)));
+  DRIFTWISE_TRY(auto model, formats::read_model_json(record.json));
   return AcceptedModel{std::move(plan), std::move(model)};
 }
 

@@ -58,8 +58,10 @@ struct AcceptedModel {
   calibration::Model model;
 };
 
-// All findings but corrections that are known too badly. Errors: failed_precondition NOTHING_FOUND
-// (no finding can be accepted); those of application::plan_extension, put_in_force and fit_record.
+// All findings that the daemon makes without being told whose deviation they are, but corrections
+// that are known too badly. Errors: failed_precondition NOTHING_FOUND (no finding can be accepted),
+// INDISTINGUISHABLE (every finding that is left); those of application::plan_extension,
+// put_in_force and fit_extension.
 Result<AcceptedModel> accept_all(const diagnosis::Diagnosis& found, const Dataset& data,
                                  CellTime time_zero);
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "server/application/diagnoses/extension_plan.h"
+#include "server/application/diagnoses/taken_side.h"
 #include "server/application/provenance/provenance.h"
 #include "server/compensation/target.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -164,6 +166,71 @@ TEST_F(ExtensionTest, ASetThatCannotBeToldApartNeedsAChoice) {
   EXPECT_EQ(accept(id, {1}).error().reason, "EXTENSION_STANDS");
 }
 
+// What the plan says by itself, as for an automatic acceptance.
+TEST_F(ExtensionTest, WhatMayBeTheRobotsOrAnInstrumentsIsNotPlannedUnasked) {
+  const auto columns = data();
+  application::RunsData rows{columns, {}, {}};
+  for (std::size_t row = 0; row < columns.rows; ++row)
+    rows.origins.push_back({run, static_cast<std::int64_t>(row)});
+  auto drift = finding_of("instrument_drift", "x", AppliesTo::correction, {"drift()"}, {1e-6});
+  drift.indistinguishable_from = {"refractive_index x", "thermal_expansion t01"};
+  auto warming = bend();
+  warming.indistinguishable_from = {"thermal_lag t01"};  // the robot's as well
+  auto found = diagnosis_with("q ~ x", {drift, warming});
+  const auto refused = application::plan_extension(DiagnosisId{3}, found, {1}, rows);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "INDISTINGUISHABLE");
+  EXPECT_THAT(refused.error().message, HasSubstr("thermal_expansion t01"));
+  EXPECT_THAT(refused.error().message, testing::Not(HasSubstr("refractive_index")));
+  EXPECT_THAT(application::with_known_side(found, {1, 2}, rows), ElementsAre(2));
+  const auto insisted = application::plan_extension(DiagnosisId{3}, found, {1}, rows, "instrument");
+  ASSERT_TRUE(insisted) << insisted.error().message;
+  EXPECT_EQ(insisted->amendment.shifts.size(), 1u);
+  const auto other = application::plan_extension(DiagnosisId{3}, found, {1}, rows, "backlash q1");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().reason, "NO_SUCH_FINDING");
+}
+
+// A motor that slips shows in its own output; an instrument that jumps in all that its axis moves.
+TEST_F(ExtensionTest, TheOutputsTellAJumpOfAnInstrumentFromASlipOfAMotor) {
+  auto jump = finding_of("step_change", "", AppliesTo::dataset, {"step(2405 s)"}, {5e-5});
+  jump.outputs.push_back(jump.outputs.front());
+  jump.outputs[1].output = "q2";
+  for (auto& output : jump.outputs) output.gain_2lnl = 100;
+  Eigen::MatrixXd slopes(2, 2);
+  slopes << 1, 0.5, 0.5, 1;  // x moves both motors, and so does y
+  application::InstrumentClaim claim{{{"q1", "mm"}, {"q2", "mm"}}, {"x", "y"}, slopes, {}, {}};
+  claim.seen_mm = Eigen::Vector2d(-5e-5, -2.5e-5);
+  jump.outputs[1].coefficients = {-2.5e-5};
+  EXPECT_EQ(application::side_of_jump(jump, claim), application::Side::instrument);
+  claim.seen_mm = Eigen::Vector2d(5e-5, 1e-8);
+  jump.outputs[1].coefficients = {1e-8};
+  jump.outputs[1].gain_2lnl = 0;
+  EXPECT_EQ(application::side_of_jump(jump, claim), application::Side::robot);
+  claim.slopes = Eigen::Matrix2d::Identity();  // each motor follows one axis
+  EXPECT_EQ(application::side_of_jump(jump, claim), std::nullopt);
+}
+
+TEST_F(ExtensionTest, ATermThatNoTargetCanHaveIsRefusedBeforeAnythingIsStored) {
+  findings = {finding_of("cyclic_error", "q1", AppliesTo::robot, {"sin(q1, 93000 nm)"}, {1e-5})};
+  const auto refused = accept(d.diagnosed(run, "q ~ x").record.id, {1});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "TERM_NOT_SERVABLE");
+  EXPECT_THAT(refused.error().message, HasSubstr("sin(q1"));
+  EXPECT_THAT(refused.error().message, HasSubstr("in its controller"));
+  EXPECT_TRUE(d.cell.await(d.cell->models.list())->empty());
+}
+
+TEST(SideOfACause, AScaleIsTheRobotsAndACoordinateTheInstruments) {
+  using application::Side;
+  EXPECT_EQ(application::side_of("cyclic_error q1"), Side::robot);
+  EXPECT_EQ(application::side_of("cyclic_error ma.q1"), Side::robot);
+  EXPECT_EQ(application::side_of("cyclic_error x"), Side::instrument);
+  EXPECT_EQ(application::side_of("refractive_index"), Side::instrument);
+  EXPECT_EQ(application::side_of("thermal_rate t03"), Side::robot);
+  EXPECT_EQ(application::side_of("sensor_fault t01"), Side::rows);
+}
+
 TEST_F(ExtensionTest, ACorrectionThatIsHardlyKnownIsANameAndNoMore) {
   auto tilt = finding_of("abbe_offset", "x", AppliesTo::correction, {"x^2"}, {4e-6});
   tilt.outputs[0].u90_before = 18;
@@ -287,11 +354,20 @@ TEST_F(ExtensionTest, RefusesAnImpossibleInstrument) {
   EXPECT_TRUE(d.cell.await(d.cell->models.list())->empty()) << "nothing was kept";
 }
 
-TEST_F(ExtensionTest, AJumpSplitsItsDatum) {
+// An instrument that jumps and a motor that slips read alike where one output follows one axis.
+TEST_F(ExtensionTest, AJumpIsTheInstrumentsOnlyWhereSomebodySaysSo) {
   auto jump = finding_of("step_change", "", AppliesTo::dataset, {"step(2405 s)"}, {5e-5});
   jump.parameters = {{"time_s", 2405, {}, {}}};
   findings = {jump};
-  const auto made = accept(d.diagnosed(run, "q ~ x").record.id);
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto refused = accept(id);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "INDISTINGUISHABLE");
+  EXPECT_THAT(refused.error().message, HasSubstr("a motor that slipped"));
+  EXPECT_THAT(refused.error().message, HasSubstr("zero again"));
+  EXPECT_THAT(refused.error().message, HasSubstr("--finding 1"));
+  EXPECT_TRUE(d.cell.await(d.cell->models.list())->empty()) << "nothing was kept";
+  const auto made = accept(id, {1});
   ASSERT_TRUE(made) << made.error().message;
   const auto split = data();
   ASSERT_EQ(split.datum.size(), 240u);
