@@ -28,6 +28,7 @@ std::string name_of(const diagnosis::Finding& finding);
 // Of the finding's indistinguishable set, the causes of the other side. Empty: the data leave no
 // doubt whose deviation it is. A step_change stands for itself: an instrument that jumps and a
 // robot that slips read alike, and no cause of the catalogue is the robot's.
+// Nor is a cyclic_error counted against a geometry_order: such a wave is as long as the travel.
 std::vector<std::string> rivals_across(const diagnosis::Finding& finding);
 
 }  // namespace driftwise::application
