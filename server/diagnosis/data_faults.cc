@@ -75,21 +75,34 @@ bool DataFaults::note_gross_errors(const Ground& ground) {
 
 bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes) {
   bool any = note_gross_errors(extension.ground({}, shapes));
-  if (const auto spread = spread_over_places(problem_, extension.ground({}, shapes))) {
+  // A spread that goes with the place and one that changes at an instant imitate one another: the
+  // one that explains more is taken first, and the other is asked of what is left.
+  const auto weighed_by_place = [&](double than) {
+    const auto spread = spread_over_places(problem_, extension.ground({}, shapes));
+    if (!spread || spread->gain <= than) return false;
     weigh_rows(*spread, "place");
+    return any = true;
+  };
+  auto changes = noise_changes(extension.ground({}, shapes));
+  double at_an_instant = 0;
+  for (const auto& change : changes) at_an_instant += change.gain;
+  const bool place_first = weighed_by_place(at_an_instant);
+  if (place_first) changes = noise_changes(extension.ground({}, shapes));
+  if (!changes.empty()) {
+    note_changes(changes);
     any = true;
   }
-  const auto changes = noise_changes(extension.ground({}, shapes));
-  if (changes.empty()) return any;
+  if (!place_first) weighed_by_place(0);
+  return any;
+}
+
+void DataFaults::note_changes(const std::vector<NoiseChange>& changes) {
   // One spread per row for all outputs: that of the strongest change.
   const auto& strongest = *std::ranges::max_element(changes, {}, &NoiseChange::gain);
   const auto first = problem_.learn[static_cast<std::size_t>(
       std::ranges::find(problem_.block_of, static_cast<std::size_t>(strongest.block)) -
       problem_.block_of.begin())];
   const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
-  if (problem_.row_sd.size() == 0) problem_.row_sd = Eigen::VectorXd::Ones(rows);
-  problem_.row_sd.tail(rows - static_cast<Eigen::Index>(first)) *= strongest.ratio;
-  problem_.lay_blocks(kMostSearched);
   for (const auto& change : changes) {
     const auto& output = problem_.outputs[change.output];
     Finding finding{.cause = "noise_change",
@@ -103,7 +116,9 @@ bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseS
     finding.sentence = sentence(finding);
     result_.findings.push_back(std::move(finding));
   }
-  return true;
+  if (problem_.row_sd.size() == 0) problem_.row_sd = Eigen::VectorXd::Ones(rows);
+  problem_.row_sd.tail(rows - static_cast<Eigen::Index>(first)) *= strongest.ratio;
+  problem_.lay_blocks(kMostSearched);
 }
 
 void DataFaults::weigh_rows(const Spread& spread, const std::string& goes_with) {

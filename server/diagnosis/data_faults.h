@@ -46,6 +46,7 @@ class DataFaults {
   std::vector<std::size_t> note_outliers(const std::vector<OutlierRow>& outliers);
   // Rows that the search has stay in it, with no weight; no figure is judged on them.
   bool note_gross_errors(const Ground& ground);
+  void note_changes(const std::vector<NoiseChange>& changes);  // one at least
   void weigh_rows(const Spread& spread, const std::string& goes_with);
 
   const Dataset& dataset_;

@@ -14,7 +14,8 @@ using effects::AppliesTo;
 using effects::Term;
 
 // A rate is a lag in the limit of a short time constant, and what follows one takes a minute or
-// two; over one step it is the derivative at the row (rows/prepared.h).
+// two; over one step it is the derivative at the row, over half a step that of the readings as they
+// are (rows/prepared.h).
 constexpr double kRateSteps = 2, kLongestRateSteps = 8, kLongestRate_s = 120;
 constexpr double kShortestLagSteps = 4;
 
@@ -26,10 +27,11 @@ Cause of_robot(const std::string& id, const std::string& subject, LinearParamete
           .linear = linear};
 }
 
-// Each product of a length with this variable alone, and all together.
+// Each product of a pose coordinate with this variable alone, and all together. A rotation counts
+// where the simulation reads it as pose: a stage turned by a linear motor has an arm that grows.
 void add_axis_products(CatalogueBuilder& builder, Cause cause, const Term& variable) {
   std::vector<Term> all;
-  for (const auto& axis : builder.lengths()) {
+  for (const auto& axis : builder.axes()) {
     all.push_back(effects::product(power_term(axis), variable));
     builder.add_terms(cause, {all.back()}, kMissing);
   }
@@ -63,15 +65,16 @@ void add_temperatures(CatalogueBuilder& builder) {
     builder.take_cause(std::move(lag));
     Cause rate = of_robot("thermal_rate", t, LinearParameter::nm_per_k_per_h);
     const double step_s = std::max(std::round(builder.step_s()), 1.0);
-    builder.add_terms(rate, {call_term("rate", {t}, {{step_s, "s"}})}, kMissing);
+    for (const double over_s : {std::round(builder.step_s() / 2), step_s})
+      if (over_s >= 1 && over_s <= step_s)
+        builder.add_terms(rate, {call_term("rate", {t}, {{over_s, "s"}})}, kMissing);
     const double longest_s = std::max(kLongestRateSteps * builder.step_s(), kLongestRate_s);
     for (double over_s = std::max(kRateSteps * builder.step_s(), 1.0); over_s <= longest_s;
          over_s *= 2)
       builder.add_terms(rate, {call_term("rate", {t}, {{over_s, "s"}})}, kMissing);
     builder.take_cause(std::move(rate));
   }
-  if (builder.lengths().empty())
-    builder.missing("thermal_expansion", "no pose coordinate x, y or z varies");
+  if (builder.axes().empty()) builder.missing("thermal_expansion", "no pose coordinate varies");
   if (!builder.timed())
     for (const char* id : {"thermal_lag", "thermal_rate"})
       builder.missing(id, "the data have no time_s");
@@ -96,8 +99,8 @@ void add_force(CatalogueBuilder& builder) {
   add_axis_products(builder,
                     of_robot("force_position_coupling", "F", LinearParameter::nm_per_n_per_mm),
                     power_term("force"));
-  if (builder.lengths().empty())
-    builder.missing("force_position_coupling", "no pose coordinate x, y or z varies");
+  if (builder.axes().empty())
+    builder.missing("force_position_coupling", "no pose coordinate varies");
 }
 
 }  // namespace driftwise::diagnosis

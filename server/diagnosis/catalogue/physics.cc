@@ -35,7 +35,11 @@ constexpr double kLever_mm = 20, kDeadPath_mm = 100, kBeam_mm = 500;
 // A beam at an angle walks off by twice angle x stroke on its way there and back: by half of an
 // aperture of 6 mm it is lost. Nothing is mounted worse than by a degree.
 constexpr double kBeamWalk_mm = 3, kWorstMount_arcsec = 3600, kOfWorstBeam = 1.0 / 3;
-constexpr double kDrift_nm_per_h = 50, kScaleDrift_ppm_per_h = 1;
+constexpr double kDrift_nm_per_h = 50;
+// Of a laser or a scale whose air and temperature are measured: stabilised lasers hold 0.02 ppm. Of
+// an instrument whose air nobody measures: 1 hPa and a third of a kelvin in an hour, by Edlen's
+// coefficients below.
+constexpr double kScaleDrift_ppm_per_h = 0.05, kUnmeasuredAir_ppm_per_h = 0.6;
 constexpr double kJump_nm = 316.4;  // half a wavelength of a helium-neon laser
 // Refractivity of air at 20 degC, 1013.25 hPa, 50 % (Edlen; Birch and Downs 1994).
 constexpr double kAir_ppm_per_k = 0.95, kAir_ppm_per_hpa = 0.27, kAir_ppm_per_pct = 0.01;
@@ -49,6 +53,15 @@ int read_by(const effects::Term& term, const std::array<const char*, 3>& names) 
     for (std::size_t i = 0; i < names.size(); ++i)
       if (symbol == names[i]) return static_cast<int>(i);
   return -1;
+}
+
+// The pose coordinate that the term reads; empty: none.
+std::string axis_of(const effects::Term& term) {
+  if (const int axis = read_by(term, kAxes); axis >= 0)
+    return kAxes[static_cast<std::size_t>(axis)];
+  if (const int tilt = read_by(term, kTilts); tilt >= 0)
+    return kTilts[static_cast<std::size_t>(tilt)];
+  return "";
 }
 
 double air_ppm(const effects::Term& term) {
@@ -165,8 +178,9 @@ std::span<const PhysicsRecord> physics_table() {
        "3 x", "the returning beam walks by 2 angle x stroke"},
       {"refractive_index", "mm of dead path; share of the path measured", "100; 1",
        "10 x; the whole", "Birch and Downs 1994"},
-      {"instrument_drift", "nm/h; ppm/h", "50 or 3 sigma over the duration; 1", "20 x",
-       "zero of interferometers and of probes"},
+      {"instrument_drift", "nm/h; ppm/h",
+       "50 or 3 sigma over the duration; 0.05, or 0.6 where the air is not measured", "20 x",
+       "zero of interferometers and of probes; stabilised lasers, the weather"},
       {"step_change", "nm", "316.4 or 10 sigma", "", "lost fringes; a slip has no end"},
       {"periodic_disturbance", "nm", "20 or 2 sigma", "10 x", "air conditioning, vibration"},
       {"joint_compliance", "urad per metre of lever; urad/(N m) where the links have masses",
@@ -186,16 +200,17 @@ Physics::Physics(const Problem& problem, const std::optional<LeverLimits>& lever
   for (const auto& column : problem.data().columns)
     if (column.channel.unit == "mm" &&
         (is_motor_symbol(column.channel.symbol) || is_pose_symbol(column.channel.symbol)))
-      longest_stroke_mm_ = std::max(longest_stroke_mm_, stroke_mm(column.channel.symbol));
+      longest_stroke_mm_ = std::max(longest_stroke_mm_, range_of(column.channel.symbol));
   const auto& time_s = problem.timeline.time_s;
   if (time_s.size() > 1) hours_ = (time_s.maxCoeff() - time_s.minCoeff()) / 3600;
-  force_range_ = stroke_mm("force");
+  force_range_ = range_of("force");
+  air_measured_ = range_of("air") > 0 || range_of("pressure") > 0;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o)
     noise_sd_.push_back(noise_between_neighbours(problem, o, problem.base_columns));
 }
 
-// max - min over the rows that learn.
-double Physics::stroke_mm(const std::string& symbol) const {
+// max - min over the rows that learn, in the channel's unit.
+double Physics::range_of(const std::string& symbol) const {
   const auto values = problem_.data().values_of(symbol);
   if (values.empty()) return 0;
   double low = kUnlimited, high = -kUnlimited;
@@ -205,6 +220,21 @@ double Physics::stroke_mm(const std::string& symbol) const {
     high = std::max(high, values[row]);
   }
   return std::max(high - low, 0.0);
+}
+
+// Of the output, for a millionth of the coordinate that the term reads: nm per mm is ppm, and a
+// rotation's ppm are a share of what the output goes through with it.
+double Physics::nm_per_ppm(const effects::Term& term, std::size_t output) const {
+  const std::string axis = axis_of(term);
+  if (axis.empty() || read_by(term, kAxes) >= 0) return 1;
+  double low = kUnlimited, high = -kUnlimited;
+  for (const std::size_t row : problem_.learn) {
+    const double value = problem_.outputs[output].measured[static_cast<Eigen::Index>(row)];
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  return high > low ? 1e-6 * (high - low) / std::max(range_of(axis), 1e-12) : 1;
 }
 
 double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
@@ -219,7 +249,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   const auto& id = cause.id;
   if (id == "thermal_offset" || id == "thermal_lag") return per_k;
   if (id == "thermal_rate") return per_k * kRateTime_h;
-  if (id == "thermal_expansion") return kExpansion_ppm_per_k;
+  if (id == "thermal_expansion") return kExpansion_ppm_per_k * nm_per_ppm(term, output);
   if (id == "self_heating") return kHeating_k * per_k * per_column;
   if (id == "activity_heating") return kActivity_k * per_k * per_column;
   if (id == "backlash")
@@ -232,13 +262,15 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "periodic_disturbance") return std::max(kWave_nm, 2 * sigma);
   if (id == "step_change") return std::max(kJump_nm, large);
   if (id == "instrument_drift")
-    return term.factors.size() > 1 ? kScaleDrift_ppm_per_h
-                                   : std::max(kDrift_nm_per_h, 3 * sigma / std::max(hours_, 1e-9));
+    return term.factors.size() > 1
+               ? (air_measured_ ? kScaleDrift_ppm_per_h : kUnmeasuredAir_ppm_per_h) *
+                     nm_per_ppm(term, output)
+               : std::max(kDrift_nm_per_h, 3 * sigma / std::max(hours_, 1e-9));
   if (id == "geometry_order") {
     double size = std::max(kGeometry * stroke_nm, large);
     for (const auto& symbol : effects::symbols_of(term)) {
       const int e = exponent_of(term, symbol);  // of a Chebyshev polynomial's first coefficient
-      size *= std::pow(2.0, e - 1) / std::pow(std::max(stroke_mm(symbol) / 2, 1e-12), e);
+      size *= std::pow(2.0, e - 1) / std::pow(std::max(range_of(symbol) / 2, 1e-12), e);
     }
     return size;
   }
@@ -249,10 +281,8 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
       return std::max(kContact_nm, large / std::pow(std::max(force_range_, 1e-12), 2.0 / 3));
     if (id == "force_nonlinearity")
       return 0.3 * per_n / std::pow(std::max(force_range_, 1e-12), exponent_of(term, "force") - 1);
-    for (const char* axis : kAxes)
-      if (const auto read = effects::symbols_of(term); std::ranges::find(read, axis) != read.end())
-        return per_n / std::max(stroke_mm(axis), 1e-12);
-    return per_n;
+    const std::string axis = axis_of(term);
+    return axis.empty() ? per_n : per_n / std::max(range_of(axis), 1e-12);
   }
   if (id == "abbe_offset") {
     const int tilt = read_by(term, kTilts);
@@ -280,11 +310,10 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   return large * per_column;
 }
 
-double Physics::range_factor(const Cause& cause, const effects::Term& term, double parameter,
-                             double typical, std::size_t output) const {
-  (void)parameter;
+double Physics::range_factor(const Cause& cause, const effects::Term& term,
+                             std::size_t output) const {
   const auto& id = cause.id;
-  if (id == "thermal_expansion") return kLargestExpansion_ppm_per_k / typical;
+  if (id == "thermal_expansion") return kLargestExpansion_ppm_per_k / kExpansion_ppm_per_k;
   if (id == "abbe_offset") {
     if (!levers_ || read_by(term, kTilts) < 0) return kUnlimited;
     for (int of = 0; of < 3; ++of)  // a direction that no beam declares
@@ -324,9 +353,7 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
       const double typical = length ? nm_per_unit(cause, term, parameter, column_range, at)
                                     : 2 * kOfNoise * noise_sd_[at] / column_range;
       result.typical(k, o) = width_ * typical;
-      result.range(k, o) =
-          width_ * typical *
-          (length ? range_factor(cause, term, parameter, typical, at) : kUnlimited);
+      result.range(k, o) = width_ * typical * (length ? range_factor(cause, term, at) : kUnlimited);
     }
   }
   return result;

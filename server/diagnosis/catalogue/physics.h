@@ -57,16 +57,17 @@ class Physics {
   Eigen::MatrixXd of_free_shape(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
 
  private:
-  double stroke_mm(const std::string& symbol) const;
+  double range_of(const std::string& symbol) const;
+  double nm_per_ppm(const effects::Term& term, std::size_t output) const;
   double nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
                      double column_range, std::size_t output) const;
-  double range_factor(const Cause& cause, const effects::Term& term, double parameter,
-                      double typical, std::size_t output) const;
+  double range_factor(const Cause& cause, const effects::Term& term, std::size_t output) const;
 
   const Problem& problem_;
   std::optional<LeverLimits> levers_;
   double width_ = 1;
   double longest_stroke_mm_ = 0, hours_ = 0, force_range_ = 0;
+  bool air_measured_ = false;
   std::vector<double> noise_sd_;  // of neighbouring rows, summary units
   Eigen::MatrixXd slopes_;        // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
 };

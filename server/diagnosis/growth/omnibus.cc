@@ -8,193 +8,19 @@
 #include <numbers>
 #include <random>
 
-#include "server/diagnosis/catalogue/cause.h"
 #include "server/diagnosis/noise/ground.h"
 #include "server/diagnosis/noise/random_field.h"
-#include "server/diagnosis/rows/motor_places.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr Eigen::Index kMostWaves = 127, kRowsPerWave = 4;
-constexpr int kAxisWaves = 8, kPairWaves = 3, kTripleWaves = 2, kConditionWaves = 3;
 constexpr double kClip = 3.5;
 constexpr int kFirstNulls = 49, kClearlyNoise = 4;  // of the first as large as the data
 constexpr double kPower = 0.8416;                   // normal quantile of 80 %
-constexpr Eigen::Index kLags = 3;
 constexpr double kShortTau = 3;  // of the grid's shortest: no slow effect looks like it
 constexpr Eigen::Index kMostFieldColumns = 128;
-constexpr int kSmoothWaves = 3, kMemoryWaves = 2;
-
-Eigen::VectorXf wave(const Eigen::VectorXd& u, int k) {
-  return (std::numbers::sqrt2 * (std::numbers::pi * k * u.array()).cos()).cast<float>();
-}
-
-// To 0 .. 1; empty where it does not vary.
-Eigen::VectorXd unit_range(const Eigen::VectorXd& values) {
-  if (!values.allFinite()) return {};
-  const double low = values.minCoeff(), high = values.maxCoeff();
-  if (!(high > low + 1e-12 * std::abs(high))) return {};
-  return (values.array() - low) / (high - low);
-}
-
-void append(Eigen::MatrixXf& columns, const Eigen::VectorXf& column) {
-  columns.conservativeResize(column.size(), columns.cols() + 1);
-  columns.col(columns.cols() - 1) = column;
-}
 
 }  // namespace
-
-Omnibus::Omnibus(const Problem& problem, const Eigen::MatrixXd& series,
-                 const std::vector<std::string>& excluded)
-    : problem_(problem), series_(series) {
-  const Eigen::Index n = problem.timeline.rows();
-  const Eigen::Index waves = std::clamp<Eigen::Index>(n / kRowsPerWave, 1, kMostWaves);
-  Eigen::VectorXd order(n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    order[i] = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
-  time_waves_.resize(n, waves);
-  time_waves_.col(0).setOnes();
-  for (Eigen::Index k = 1; k < waves; ++k) time_waves_.col(k) = wave(order, static_cast<int>(k));
-  bands_.push_back({0, 1, "throughout"});
-  for (Eigen::Index first = 1; first < waves; first = 2 * first + 1) {
-    const Eigen::Index count = std::min(first + 1, waves - first);
-    bands_.push_back({first, count, first < 3 ? "slowly with time" : "with time"});
-  }
-  add_groups(excluded);
-}
-
-void Omnibus::add_groups(const std::vector<std::string>& excluded) {
-  const Eigen::Index n = problem_.timeline.rows();
-  const Dataset& data = problem_.prepared.conditions();
-  const auto outputs = problem_.output_symbols();
-  const auto add = [&](Group group) {
-    if (group.waves.cols() > 0) groups_.push_back(std::move(group));
-  };
-  add({"every row", Eigen::MatrixXf::Ones(n, 1), {}});
-  struct Axis {
-    std::string name;
-    Eigen::VectorXd u;
-  };
-  std::vector<Axis> axes;
-  std::vector<Eigen::VectorXd> temperatures, directions;
-  std::vector<std::string> direction_of;
-  const auto learned = [&](const std::vector<double>& values) {
-    return Eigen::VectorXd(problem_.learned(Eigen::Map<const Eigen::VectorXd>(
-        values.data(), static_cast<Eigen::Index>(values.size()))));
-  };
-  bool any_pose = false;
-  for (const auto& column : data.columns)
-    any_pose =
-        any_pose || (is_pose_symbol(column.channel.symbol) && is_length(column.channel.unit) &&
-                     unit_range(learned(column.values)).size() > 0);
-  for (const auto& column : data.columns) {
-    const auto& symbol = column.channel.symbol;
-    if (std::ranges::find(excluded, symbol) != excluded.end()) continue;
-    if (is_response(column.channel, outputs)) continue;
-    Eigen::VectorXd values = learned(column.values);
-    const Eigen::VectorXd u = unit_range(values);
-    if (u.size() == 0) continue;
-    if (is_motor_symbol(symbol)) {
-      if (!any_pose) axes.push_back({symbol, u});
-      Eigen::VectorXd direction = Eigen::VectorXd::Zero(n);
-      for (Eigen::Index i = 1; i < n; ++i)
-        direction[i] =
-            std::abs(u[i] - u[i - 1]) > 1e-3 ? (u[i] > u[i - 1] ? 1 : -1) : direction[i - 1];
-      directions.push_back(std::move(direction));
-      direction_of.push_back(symbol);
-    } else if (is_pose_symbol(symbol) && is_length(column.channel.unit)) {
-      axes.push_back({symbol, u});
-    } else if (is_structure_temperature(column.channel)) {
-      temperatures.push_back((values.array() - values.mean()) /
-                             std::sqrt((values.array() - values.mean()).square().mean()));
-    } else if (!symbol.ends_with("_std") && !symbol.ends_with("_cmd")) {
-      Group group{symbol, {}, {symbol}};
-      for (int k = 1; k <= kConditionWaves; ++k) append(group.waves, wave(u, k));
-      add(std::move(group));
-    }
-  }
-  if (axes.size() > 3) axes.resize(3);
-  for (const auto& axis : axes) {
-    Group group{axis.name, {}, {axis.name}};
-    for (int k = 1; k <= kAxisWaves; ++k) append(group.waves, wave(axis.u, k));
-    add(std::move(group));
-  }
-  for (std::size_t a = 0; a < axes.size(); ++a)
-    for (std::size_t b = a + 1; b < axes.size(); ++b) {
-      Group group{axes[a].name + " and " + axes[b].name, {}, {axes[a].name, axes[b].name}};
-      for (int k = 1; k <= kPairWaves; ++k)
-        for (int l = 1; l <= kPairWaves; ++l)
-          append(group.waves, wave(axes[a].u, k).cwiseProduct(wave(axes[b].u, l)));
-      add(std::move(group));
-    }
-  if (axes.size() == 3) {
-    Group group{"x, y and z", {}, {axes[0].name, axes[1].name, axes[2].name}};
-    for (int k = 1; k <= kTripleWaves; ++k)
-      for (int l = 1; l <= kTripleWaves; ++l)
-        for (int m = 1; m <= kTripleWaves; ++m)
-          append(
-              group.waves,
-              wave(axes[0].u, k).cwiseProduct(wave(axes[1].u, l)).cwiseProduct(wave(axes[2].u, m)));
-    add(std::move(group));
-  }
-  if (!temperatures.empty()) {
-    Eigen::MatrixXd all(n, static_cast<Eigen::Index>(temperatures.size()));
-    for (std::size_t t = 0; t < temperatures.size(); ++t)
-      all.col(static_cast<Eigen::Index>(t)) = temperatures[t];
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(all.transpose() * all);
-    Group group{"the temperatures", {}, {}};
-    for (Eigen::Index c = 0; c < std::min<Eigen::Index>(2, all.cols()); ++c) {
-      const Eigen::VectorXd u = unit_range(all * eigen.eigenvectors().col(all.cols() - 1 - c));
-      for (int k = 1; u.size() > 0 && k <= kConditionWaves; ++k) append(group.waves, wave(u, k));
-    }
-    add(std::move(group));
-  }
-  if (!data.dwell_s.empty())
-    if (const Eigen::VectorXd u = unit_range(learned(data.dwell_s)); u.size() > 0) {
-      Group group{"the dwell", {}, {}};
-      for (int k = 1; k <= 2; ++k) append(group.waves, wave(u, k));
-      add(std::move(group));
-    }
-  for (std::size_t d = 0; d < directions.size(); ++d) {
-    Group group{"the direction of " + direction_of[d], {}, {}};
-    const Eigen::VectorXf sign = directions[d].cast<float>();
-    append(group.waves, sign);
-    for (const auto& axis : axes)
-      for (int k = 1; k <= 2; ++k) append(group.waves, wave(axis.u, k).cwiseProduct(sign));
-    add(std::move(group));
-  }
-  // Fields need narrow families: their growth pays for every column.
-  fields_ = groups_;
-  for (const auto& axis : axes) {
-    Group smooth{axis.name, {}, {axis.name}}, memory{axis.name + " and the rows before", {}, {}};
-    for (int k = 1; k <= kSmoothWaves; ++k) append(smooth.waves, wave(axis.u, k));
-    for (Eigen::Index lag = 1; lag <= kLags && lag < n; ++lag) {
-      Eigen::VectorXd before(n);
-      before << axis.u.head(lag), axis.u.head(n - lag);
-      for (int k = 1; k <= kMemoryWaves; ++k)
-        for (int l = 1; l <= kMemoryWaves; ++l)
-          append(memory.waves, wave(axis.u, k).cwiseProduct(wave(before, l)));
-    }
-    fields_.push_back(std::move(smooth));
-    fields_.push_back(std::move(memory));
-  }
-  for (std::size_t d = 0; d < directions.size(); ++d)
-    fields_.push_back({"the direction of " + direction_of[d], directions[d].cast<float>(), {}});
-  auto places = motor_places(problem_);
-  place_of_ = std::move(places.of_block);
-  place_count_ = places.places.size();
-  by_place_.clear();
-  for (Eigen::Index i = 0; i < n && !place_of_.empty(); ++i) by_place_.push_back(i);
-  // Neighbours along the coordinates, visits of one place in time order.
-  std::ranges::stable_sort(by_place_, {}, [&](Eigen::Index i) {
-    return places.places[place_of_[static_cast<std::size_t>(i)]];
-  });
-  if (place_count_ >= 4 && 2 * place_count_ <= static_cast<std::size_t>(n))
-    groups_.push_back({"the place", {}, {}});
-  else
-    place_count_ = 0;
-}
 
 Eigen::MatrixXf Omnibus::white(const SoftBase& base, Eigen::Index output, const NoiseShape& shape,
                                const Eigen::MatrixXd& series) const {
@@ -283,7 +109,8 @@ std::optional<Omnibus::Grown> Omnibus::grown(const RandomField& field,
                                              const std::function<bool()>& tick) const {
   std::vector<RandomField::Seen> seen;
   for (const auto& one : series) seen.push_back(field.see(one));
-  Grown result{Eigen::VectorXd::Zero(series.front().cols())};
+  const Eigen::Index count = series.front().cols();
+  Grown result{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), {}, {}};
   for (std::size_t g = 0; g < fields_.size(); ++g) {
     const auto& waves = fields_[g].waves;
     for (std::size_t b = 0; b < bands_.size(); ++b) {
@@ -296,14 +123,51 @@ std::optional<Omnibus::Grown> Omnibus::grown(const RandomField& field,
             (waves.col(w).asDiagonal() * time_waves_.middleCols(band.first, band.count))
                 .cast<double>();
       const Eigen::MatrixXd growth = field.growth(columns, seen);
-      for (Eigen::Index o = 0; o < growth.rows(); ++o)
-        for (Eigen::Index k = 0; k < growth.cols(); ++k) {
-          const double one = std::sqrt(growth(o, k));
-          if (one <= result.largest[k]) continue;
-          result.largest[k] = one;
-          if (k == 0) result.field = g, result.band = b, result.output = o;
-        }
+      Eigen::Index strongest = 0;
+      growth.col(0).maxCoeff(&strongest);
+      const Where here{g, b, strongest};
+      const Eigen::VectorXd of_one = growth.colwise().maxCoeff().cwiseSqrt(),
+                            of_all = growth.colwise().sum().cwiseSqrt();
+      if (of_one[0] > result.of_one[0]) result.where_one = here;
+      if (of_all[0] > result.of_all[0]) result.where_all = here;
+      result.of_one = result.of_one.cwiseMax(of_one);
+      result.of_all = result.of_all.cwiseMax(of_all);
     }
+  }
+  return result;
+}
+
+namespace {
+
+// To mean 0 and spread 1 over the series.
+Eigen::ArrayXd standardised(const Eigen::VectorXd& values) {
+  const Eigen::ArrayXd about = values.array() - values.mean();
+  return about / std::max(std::sqrt(about.square().mean()), 1e-300);
+}
+
+Eigen::VectorXd joined(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return (Eigen::VectorXd(a.size() + b.size()) << a, b).finished();
+}
+
+}  // namespace
+
+// values: families x series.
+Omnibus::Standardised Omnibus::standardise(Eigen::MatrixXd values) const {
+  const auto quadratic = static_cast<Eigen::Index>(groups_.size() * bands_.size());
+  Standardised result;
+  values.topRows(quadratic) = values.topRows(quadratic).array().max(0.0).pow(1.0 / 3);
+  result.mean = values.rowwise().mean();
+  values.colwise() -= result.mean;
+  result.sd = (values.rowwise().squaredNorm() / static_cast<double>(values.cols())).cwiseSqrt();
+  result.largest = Eigen::VectorXd::Constant(values.cols(), -1e300);
+  result.of_data = Eigen::VectorXd::Constant(values.rows(), -1e300);
+  for (Eigen::Index f = 0; f < values.rows(); ++f) {
+    if (!(result.sd[f] > 1e-6 * std::abs(result.mean[f])) || !(result.sd[f] > 1e-9)) continue;
+    Eigen::ArrayXd z = values.row(f).transpose().array() / result.sd[f];
+    if (f >= quadratic) z = z.abs();
+    result.of_data[f] = z[0];
+    if (z[0] > result.largest[0]) result.family = static_cast<std::size_t>(f);
+    result.largest = result.largest.cwiseMax(z.matrix());
   }
   return result;
 }
@@ -313,7 +177,6 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
                       options.tick);
   if (options.tick && !options.tick()) return std::nullopt;
   const Eigen::Index outputs = series_.cols();
-  const auto quadratic = static_cast<Eigen::Index>(groups_.size() * bands_.size());
   noise_.clear();
   white_sd_.clear();
   for (Eigen::Index o = 0; o < outputs; ++o) {
@@ -327,9 +190,11 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
   const RandomField field(problem_.timeline, shapes_with_a_field(ground), base, kClip);
   Grown growths;
   OmnibusResult result;
-  std::size_t family = 0;
-  Eigen::Index output = 0;
-  bool field_is_larger = false;
+  // Family and output of the largest of the data: of one output's form or field, of all together.
+  enum Statistic : std::uint8_t { form, field_of_one, form_of_all, field_of_all };
+  Statistic strongest = form;
+  std::size_t family = 0, family_of_all = 0;
+  Eigen::Index output = 0, output_of_all = 0;
   for (const int more : {std::min(kFirstNulls, options.nulls), options.nulls - kFirstNulls}) {
     if (more <= 0) break;
     const bool with_data = result.nulls == 0;
@@ -345,12 +210,12 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
     result.nulls += more;
     auto fields = grown(field, series, options.tick);
     if (!fields) return std::nullopt;
-    if (with_data)
+    if (with_data) {
       growths = std::move(*fields);
-    else
-      growths.largest =
-          (Eigen::VectorXd(growths.largest.size() + more) << growths.largest, fields->largest)
-              .finished();
+    } else {
+      growths.of_one = joined(growths.of_one, fields->of_one);
+      growths.of_all = joined(growths.of_all, fields->of_all);
+    }
     for (Eigen::Index o = 0; o < outputs; ++o) {
       if (options.tick && !options.tick()) return std::nullopt;
       const auto at = static_cast<std::size_t>(o);
@@ -362,51 +227,59 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
     }
     const Eigen::Index count = result.nulls + 1;
     Eigen::VectorXd largest = Eigen::VectorXd::Constant(count, -1e300);
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(all.front().rows(), count),
+                    of_data(sum.rows(), outputs);
     mean_.clear();
     sd_.clear();
     for (Eigen::Index o = 0; o < outputs; ++o) {
-      Eigen::MatrixXd z = all[static_cast<std::size_t>(o)];
-      z.topRows(quadratic) = z.topRows(quadratic).array().max(0.0).pow(1.0 / 3);
-      const Eigen::VectorXd mean = z.rowwise().mean();
-      z.colwise() -= mean;
-      const Eigen::VectorXd sd =
-          (z.rowwise().squaredNorm() / static_cast<double>(count)).cwiseSqrt();
-      mean_.push_back(mean);
-      sd_.push_back(sd);
-      for (Eigen::Index f = 0; f < z.rows(); ++f) {
-        if (!(sd[f] > 1e-6 * std::abs(mean[f])) || !(sd[f] > 1e-9)) continue;
-        for (Eigen::Index k = 0; k < count; ++k) {
-          const double one = f < quadratic ? z(f, k) / sd[f] : std::abs(z(f, k)) / sd[f];
-          if (one <= largest[k]) continue;
-          largest[k] = one;
-          if (k == 0) family = static_cast<std::size_t>(f), output = o;
-        }
-      }
+      const auto& values = all[static_cast<std::size_t>(o)];
+      Standardised one = standardise(values);
+      if (one.largest[0] > largest[0]) family = one.family, output = o;
+      largest = largest.cwiseMax(one.largest);
+      sum += values;
+      of_data.col(o) = one.of_data;
+      mean_.push_back(std::move(one.mean));
+      sd_.push_back(std::move(one.sd));
     }
-    // The larger of the two, each in units of its own spread over all series.
-    const auto standardised = [](const Eigen::VectorXd& values) {
-      const Eigen::ArrayXd about = values.array() - values.mean();
-      return Eigen::ArrayXd(about / std::max(std::sqrt(about.square().mean()), 1e-300));
-    };
-    const Eigen::ArrayXd by_form = standardised(largest), by_field = standardised(growths.largest);
-    field_is_larger = by_field[0] > by_form[0];
-    const Eigen::ArrayXd both = by_form.max(by_field);
-    const auto as_large = (both.tail(result.nulls) >= both[0]).count();
+    // The largest of them, each in units of its own spread over all series.
+    std::vector<Eigen::ArrayXd> statistics = {standardised(largest), standardised(growths.of_one)};
+    if (outputs > 1) {
+      const Standardised together = standardise(std::move(sum));
+      family_of_all = together.family;
+      of_data.row(static_cast<Eigen::Index>(family_of_all)).maxCoeff(&output_of_all);
+      statistics.push_back(standardised(together.largest));
+      statistics.push_back(standardised(growths.of_all));
+    }
+    Eigen::ArrayXd most = statistics.front();
+    strongest = form;
+    for (std::size_t k = 1; k < statistics.size(); ++k) {
+      if (statistics[k][0] > most[0]) strongest = static_cast<Statistic>(k);
+      most = most.max(statistics[k]);
+    }
+    const auto as_large = (most.tail(result.nulls) >= most[0]).count();
     result.p = static_cast<double>(1 + as_large) / static_cast<double>(count);
-    const Eigen::ArrayXd nulls = both.tail(result.nulls);
+    const Eigen::ArrayXd nulls = most.tail(result.nulls);
     const double gumbel =  // of 99 %
         nulls.mean() + 3.14 * std::sqrt((nulls - nulls.mean()).square().mean());
     const Eigen::ArrayXd about = largest.array() - largest.mean();
     limit_ = largest.mean() + gumbel * std::sqrt(about.square().mean());
     if (as_large >= kClearlyNoise) break;
   }
-  if (result.p <= options.level)
-    result.where = field_is_larger
-                       ? words(fields_[growths.field], bands_[growths.band], growths.output,
-                               own[static_cast<std::size_t>(growths.output)])
-                       : words(family, output, own[static_cast<std::size_t>(output)]);
-  else
+  if (result.p > options.level) {
     result.smallest = smallest(base);
+    return result;
+  }
+  const auto& where = strongest == field_of_all ? growths.where_all : growths.where_one;
+  if (strongest == field_of_one || strongest == field_of_all)
+    result.where = words(fields_[where.field], bands_[where.band], where.output,
+                         own[static_cast<std::size_t>(where.output)]);
+  else if (strongest == form_of_all)
+    result.where =
+        words(family_of_all, output_of_all, own[static_cast<std::size_t>(output_of_all)]);
+  else
+    result.where = words(family, output, own[static_cast<std::size_t>(output)]);
+  if (strongest == form_of_all || strongest == field_of_all)
+    result.where += ", by all outputs together";
   return result;
 }
 

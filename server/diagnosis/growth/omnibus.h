@@ -10,11 +10,12 @@
 // places in the rows before) are asked as random fields too (random_field.h): the noise may be
 // another one with the field, so that slow noise does not hide a slow field.
 //
-// Judge: the largest standardised form and the root of the largest growth by a field, each in units
-// of its spread over all series, the larger of the two; against series simulated from the fitted
-// noise that go through the same projection of baseline and findings. Residuals are clipped at 3.5
-// standard deviations in the data and in the simulated series, so that heavy tails are noise. No
-// output and nothing computed from one is in the dictionary.
+// Judge: the largest standardised form and the root of the largest growth by a field, of one output
+// and of the sums over all outputs, each in units of its spread over all series; the largest of
+// these against series simulated from the fitted noise that go through the same projection of
+// baseline and findings. Residuals are clipped at 3.5 standard deviations in the data and in the
+// simulated series, so that heavy tails are noise. No output and nothing computed from one is in
+// the dictionary.
 //
 // Source: NUMERICS.md section 4 (the shapes); the p-value is the rank among exchangeable series
 // (Barnard 1963), data included in the standardisation.
@@ -53,6 +54,9 @@ struct OmnibusOptions {
   std::function<bool()> tick;  // false: stop
 };
 
+// To 0 .. 1; empty where it does not vary.
+Eigen::VectorXd unit_range(const Eigen::VectorXd& values);
+
 class Omnibus {
  public:
   // problem: every row that is to be asked learns; it outlives this.
@@ -78,11 +82,23 @@ class Omnibus {
   // Forms of every family for every series: families x series, families in the order group by band,
   // then the correlations.
   Eigen::MatrixXd forms(const Eigen::MatrixXf& left) const;
-  struct Grown {  // by a field: square root of the growth of 2 ln L, the largest of all families
-    Eigen::VectorXd largest{};        // per series
-    std::size_t field = 0, band = 0;  // of the first series
-    Eigen::Index output = 0;
+  struct Where {
+    std::size_t field = 0, band = 0;
+    Eigen::Index output = 0;  // the one with most of it
   };
+  // By a field: square root of the growth of 2 ln L, the largest of all families, per series.
+  struct Grown {
+    Eigen::VectorXd of_one{}, of_all{};  // of one output; summed over the outputs
+    Where where_one{}, where_all{};      // of the first series, which is the data
+  };
+  // Forms (the quadratic ones by their cube roots) in units of their spread over the series.
+  struct Standardised {
+    Eigen::VectorXd mean{}, sd{};  // per family, before
+    Eigen::VectorXd largest{};     // per series, of all families
+    Eigen::VectorXd of_data{};     // per family, of the first series
+    std::size_t family = 0;        // its largest
+  };
+  Standardised standardise(Eigen::MatrixXd values) const;
   std::vector<NoiseShape> shapes_with_a_field(const Ground& ground) const;
   // series: of each output. Nothing: stopped.
   std::optional<Grown> grown(const RandomField& field, const std::vector<Eigen::MatrixXd>& series,
@@ -95,6 +111,8 @@ class Omnibus {
                     const Eigen::VectorXf& left) const;
   std::vector<SmallestSeen> smallest(const SoftBase& base) const;
   void add_groups(const std::vector<std::string>& excluded);
+
+  static constexpr Eigen::Index kLags = 3;  // of rows that resemble one another
 
   const Problem& problem_;
   const Eigen::MatrixXd& series_;

@@ -54,7 +54,7 @@ double averaged(const ByShare& two_ln, bool may_not_act) {
 
 double likeliest_share(const ByShare& two_ln, bool may_not_act) {
   const auto best = std::ranges::max_element(two_ln);
-  if (may_not_act && *best < 0) return 0;
+  if (may_not_act && averaged(two_ln, false) < 0) return 0;
   return kPriorShares[static_cast<std::size_t>(best - two_ln.begin())];
 }
 

@@ -22,16 +22,17 @@ Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& column
 // summary unit per unit of the column. 0: does not act there.
 using PriorSd = Eigen::MatrixXd;
 
-// An amplitude's size is known to an order of magnitude or two: its prior is, with equal odds, each
-// of these shares of the typical standard deviation; where a cause may act on several outputs also
+// An amplitude's size is known to two or three orders of magnitude, for a good machine's effects
+// are far below a typical one's: its prior is, with equal odds, each of these shares of the typical
+// standard deviation; where a cause may act on several outputs also
 // none at all, for it need not act on all of them.
-inline constexpr std::array<double, 3> kPriorShares = {1, 0.2, 0.04};
+inline constexpr std::array<double, 4> kPriorShares = {1, 0.125, 0.0156, 0.002};
 // 2 ln of the marginal likelihood's ratio under each share of the prior's width.
 using ByShare = std::array<double, kPriorShares.size()>;
 // 2 ln of the mean over the shares, and over "does not act" where that is possible.
 double averaged(const ByShare& two_ln, bool may_not_act);
-// Mode of the posterior over the shares, whose odds are equal; 0: does not act. Of equals the
-// widest.
+// Mode of the posterior over the shares, whose odds are equal; of equals the widest. 0: does not
+// act, where that is likelier than that it acts with any of the shares, at equal odds.
 double likeliest_share(const ByShare& two_ln, bool may_not_act);
 
 // A column of which the simulation's columns leave less than this share of its whitened length says

@@ -152,7 +152,7 @@ double u90_of(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& covariance)
                                  static_cast<double>(counted.rows()));
 }
 
-std::string listed(const std::vector<std::string>& names) {
+std::string the_first_few(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 4;
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
@@ -226,9 +226,9 @@ bool is_divided(const Division& division) {
 
 std::string sentence(const Division& division) {
   std::string text = division.output + ": " + size_text(division.robot_rms, division.unit) +
-                     " rms of the correction rest on the robot (" + listed(division.robot) + "), " +
-                     size_text(division.instrument_rms, division.unit) + " on instruments (" +
-                     listed(division.instruments) + "); ";
+                     " rms of the correction rest on the robot (" + the_first_few(division.robot) +
+                     "), " + size_text(division.instrument_rms, division.unit) +
+                     " on instruments (" + the_first_few(division.instruments) + "); ";
   if (is_divided(division))
     return text + "they are told apart to " + size_text(division.u90, division.unit);
   text += "these data divide them to " + size_text(division.u90, division.unit) + " only";

@@ -26,17 +26,24 @@ bool observes_path(const effects::Term& term) {
   });
 }
 
-// A rate over at most this many typical steps of the rows is the derivative at the row.
-constexpr double kDerivativeSteps = 1.5;
+// A rate over at most this many typical steps of the rows is the derivative at the row; over less
+// than the second it is that of the readings as they are.
+constexpr double kDerivativeSteps = 1.5, kOfReadingsSteps = 0.75;
+
+struct Derivative {
+  std::string temperature;
+  bool of_readings = false;  // not of the smoothed ones
+};
 
 // The temperature whose derivative the term is.
-std::optional<std::string> derivative_of(const effects::Term& term, double step_s) {
+std::optional<Derivative> derivative_of(const effects::Term& term, double step_s) {
   if (term.factors.size() != 1) return {};
   const auto* call = std::get_if<effects::Call>(&term.factors.front());
   if (call == nullptr || call->effect != "rate" ||
       !(call->parameters.front().value <= kDerivativeSteps * step_s))
     return {};
-  return call->symbols.front();
+  return Derivative{call->symbols.front(),
+                    call->parameters.front().value <= kOfReadingsSteps * step_s};
 }
 
 double typical_step_s(const std::vector<double>& clock) {
@@ -86,7 +93,7 @@ Eigen::VectorXd derivative_per_h(const std::vector<double>& time_s,
 
 Prepared Prepared::of(const Dataset& dataset) {
   Prepared prepared;
-  prepared.data_ = dataset;
+  prepared.data_ = prepared.readings_ = dataset;
   std::vector<double> clock = dataset.time_s;
   if (clock.empty())
     for (std::size_t i = 0; i < dataset.rows; ++i) clock.push_back(static_cast<double>(i));
@@ -131,9 +138,9 @@ Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& term
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(data_.rows),
                           static_cast<Eigen::Index>(terms.size()));
   for (std::size_t k = 0; k < terms.size(); ++k)
-    if (const auto symbol = derivative_of(terms[k], step_s_))
-      columns.col(static_cast<Eigen::Index>(k)) =
-          derivative_per_h(clocked_.time_s, clocked_.values_of(*symbol));
+    if (const auto one = derivative_of(terms[k], step_s_))
+      columns.col(static_cast<Eigen::Index>(k)) = derivative_per_h(
+          clocked_.time_s, (one->of_readings ? readings_ : clocked_).values_of(one->temperature));
   for (const Dataset* source : {&clocked_, &at_places_, &on_path_}) {
     std::vector<effects::Term> some;
     std::vector<Eigen::Index> places;

@@ -34,13 +34,15 @@ class Prepared {
   // Every row's value of every term. Untimed data count their rows: whoever asks knows which terms
   // may be asked. A rate(T, tau s) over no more than a step and a half of the rows is the
   // derivative at the row: the filter of the formula takes noise out and is late by tau for it, and
-  // the temperatures here are smooth already.
+  // the temperatures here are smooth already. Over no more than three quarters of a step it is the
+  // derivative of the readings: a cycle of the room that is nearly as fast as the rows goes with
+  // the noise where they are smoothed.
   Result<Eigen::MatrixXd> columns(const std::vector<effects::Term>& terms) const;
   // What a wave's phase goes with: an axis or motor in mm at its places; "" for the clock in s.
   std::span<const double> phase_values(const std::string& symbol) const;
 
  private:
-  Dataset data_, clocked_, at_places_, on_path_;
+  Dataset readings_, data_, clocked_, at_places_, on_path_;
   double step_s_ = 0;  // typical, between rows
 };
 

@@ -160,7 +160,6 @@ std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& 
       for (std::size_t c = 0; c < best.size(); ++c)
         best[c].insert(best[c].end(), found[c].begin(), found[c].end());
     result.nulls += more;
-    of_chance_.assign(best.size(), 0);
     std::vector<double> maxima(static_cast<std::size_t>(result.nulls), -1e300);
     for (std::size_t c = 0; c < best.size(); ++c) {
       if (allowed[c] == 0) continue;

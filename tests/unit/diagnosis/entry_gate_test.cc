@@ -15,7 +15,7 @@ namespace entry_gate_test {
 namespace {
 
 constexpr Eigen::Index kRows = 120, kFolds = 5, kGapRows = 2;
-constexpr std::array<double, 3> kShares = {1, 0.2, 0.04};
+constexpr std::array<double, 4> kShares = {1, 0.125, 0.0156, 0.002};
 constexpr std::array<double, 3> kWeights = {0.5, 0.25, 0.25};  // of the parameter's values
 constexpr double kTypical = 5;                                 // of the amplitude
 
@@ -88,12 +88,14 @@ double brute_force(const Problem& problem, const Eigen::MatrixXd& series, const 
         const auto beyond_none = [&](const std::vector<Eigen::Index>& rows, double sd) {
           return restricted_2ln(rows, x, z, y, sd) - restricted_2ln(rows, x, z, y, 0);
         };
-        double sum = may_not_act ? 1 : 0, top = may_not_act ? 0 : -INFINITY, likeliest = 0;
+        double sum = may_not_act ? 1 : 0, acts = 0, top = -INFINITY, likeliest = 0;
         for (const double share : kShares) {
           const double two_ln = beyond_none(learned, share * kTypical);
           sum += std::exp(two_ln / 2);
+          acts += std::exp(two_ln / 2) / static_cast<double>(kShares.size());
           if (two_ln > top) top = two_ln, likeliest = share;
         }
+        if (may_not_act && acts < 1) likeliest = 0;
         evidence += 2 * std::log(sum / static_cast<double>(kShares.size() + (may_not_act ? 1 : 0)));
         gain +=
             beyond_none(both, likeliest * kTypical) - beyond_none(learned, likeliest * kTypical);

@@ -95,7 +95,7 @@ TEST(Evidence, IsTheIntegralOverTheAmplitude) {
   const Eigen::VectorXd y = series.array() - series.mean(), w = column.array() - column.mean();
   double sum = 0;
   const double step = 1e-3;
-  for (const double share : {1.0, 0.2, 0.04})  // the prior's widths, with equal odds
+  for (const double share : {1.0, 0.125, 0.0156, 0.002})  // the prior's widths, with equal odds
     for (double b = -12; b < 12; b += step)
       sum += step / 3 *
              std::exp((y.squaredNorm() - (y - b * w).squaredNorm()) / (2 * sd * sd) -
@@ -164,8 +164,7 @@ TEST(Evidence, WhereACauseDoesNotActItsWidthCostsNoMoreThanTheOdds) {
   const Ground ground(when, {{0, 1}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
   const Gain gain = ground.gain(column, Eigen::MatrixXd::Constant(1, 2, 1e6));
   EXPECT_GT(gain.of_output[0], 10);
-  EXPECT_NEAR(gain.of_output[1], 2 * std::log(0.25), 0.01)
-      << "four possibilities, one of them none";
+  EXPECT_NEAR(gain.of_output[1], 2 * std::log(0.2), 0.01) << "five possibilities, one of them none";
 }
 
 // Twice the log of the density of y where the amplitude of w has the prior N(0, sd^2); white noise
@@ -183,10 +182,10 @@ TEST(LikeliestShare, IsTheModeOfThePosteriorOverThePriorsWidths) {
   Eigen::VectorXd w = random_columns(1, 23);
   w.array() -= w.mean();
   w.normalize();
-  constexpr double kTypical = 250;
-  const std::vector<double> amplitudes = {200, 40, 8, 0};  // in standard errors
-  Eigen::MatrixXd series = random_columns(4, 24);
-  for (Eigen::Index o = 0; o < 4; ++o) {
+  constexpr double kTypical = 2e4;
+  const std::vector<double> amplitudes = {2e4, 2500, 400, 40, 0};  // in standard errors
+  Eigen::MatrixXd series = random_columns(5, 24);
+  for (Eigen::Index o = 0; o < 5; ++o) {
     auto y = series.col(o);
     y.array() -= y.mean();
     y -= w.dot(y) * w;
@@ -194,21 +193,26 @@ TEST(LikeliestShare, IsTheModeOfThePosteriorOverThePriorsWidths) {
     y += amplitudes[static_cast<std::size_t>(o)] * w;
   }
   const Ground ground(when, {{0, 1}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
-  const Gain gain = ground.settled_gain(w, Eigen::MatrixXd::Constant(1, 4, kTypical));
-  for (Eigen::Index o = 0; o < 4; ++o) {
-    double likeliest = 0, most = log_density_2(series.col(o), w, 0);
-    for (const double share : {1.0, 0.2, 0.04})  // and none: equal odds
-      if (const double here = log_density_2(series.col(o), w, share * kTypical); here > most)
-        most = here, likeliest = share;
+  const Gain gain = ground.settled_gain(w, Eigen::MatrixXd::Constant(1, 5, kTypical));
+  for (Eigen::Index o = 0; o < 5; ++o) {
+    const double none = log_density_2(series.col(o), w, 0);
+    double likeliest = 0, most = -INFINITY, acts = 0;
+    for (const double share : {1.0, 0.125, 0.0156, 0.002}) {
+      const double here = log_density_2(series.col(o), w, share * kTypical);
+      acts += std::exp(std::min((here - none) / 2, 700.0)) / 4;
+      if (here > most) most = here, likeliest = share;
+    }
+    if (acts < 1) likeliest = 0;  // equal odds
     EXPECT_EQ(gain.share[static_cast<std::size_t>(o)], likeliest) << o;
   }
-  EXPECT_EQ(gain.share, (std::vector<double>{1, 0.2, 0.04, 0})) << "each of them is met";
+  EXPECT_EQ(gain.share, (std::vector<double>{1, 0.125, 0.0156, 0.002, 0})) << "each of them is met";
 }
 
 TEST(LikeliestShare, OfACauseOfOneOutputIsNeverNone) {
-  EXPECT_EQ(likeliest_share({-9, -6, -2}, true), 0);
-  EXPECT_EQ(likeliest_share({-9, -6, -2}, false), 0.04);
-  EXPECT_EQ(likeliest_share({-9, 1, -2}, true), 0.2);
+  EXPECT_EQ(likeliest_share({-9, -6, -2, -1}, true), 0);
+  EXPECT_EQ(likeliest_share({-9, -6, -2, -1}, false), 0.002);
+  EXPECT_EQ(likeliest_share({-9, -6, -2, 0.5}, true), 0) << "a share so small that it is none";
+  EXPECT_EQ(likeliest_share({-9, 5, -2, -1}, true), 0.125);
 }
 
 TEST(SharedShape, IsOneForAllOutputsUntilAnotherPaysForItself) {
@@ -262,7 +266,8 @@ TEST(Evidence, OfASlowEffectOnOneOutputIsKeptByWhatTheOthersSayOfTheNoise) {
   EXPECT_GT(beside.gain, alone + 5) << "white in the others, it is white here too";
 }
 
-// The same effect under a prior of its size and under one a thousand times wider.
+// The same effect under a prior of its size and under one a million times wider: beyond
+// the narrowest of its shares.
 Look look_for(const Eigen::VectorXd& column, double width, const Eigen::MatrixXd& series) {
   const Timeline when = timeline();
   Bank bank;
@@ -280,7 +285,7 @@ Look look_for(const Eigen::VectorXd& column, double width, const Eigen::MatrixXd
 TEST(Search, AWidePriorCostsTheEffectWhatItCostsChance) {
   const Eigen::MatrixXd column = random_columns(1, 33);
   const Eigen::MatrixXd series = random_columns(1, 34) + 0.35 * column;
-  const Look narrow = look_for(column, 1, series), wide = look_for(column, 1e3, series);
+  const Look narrow = look_for(column, 1, series), wide = look_for(column, 1e6, series);
   const double own = narrow.causes[0].gain - wide.causes[0].gain;
   EXPECT_GT(own, 5) << "the evidence itself";
   EXPECT_LT(std::abs(narrow.causes[0].beyond - wide.causes[0].beyond), own / 2);
