@@ -38,9 +38,8 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
                                          std::vector<int> wanted);
 
 // data: of the diagnosis' runs, as it saw them. taken_as: what the one chosen finding is that may
-// be the robot's or an instrument's: "robot", "instrument", a cause of its set, or kAsNamed; "": not
-// said.
-// Errors: failed_precondition NOTHING_TO_MAKE (only findings that change nothing),
+// be the robot's or an instrument's: "robot", "instrument", a cause of its set, or kAsNamed; "":
+// not said. Errors: failed_precondition NOTHING_TO_MAKE (only findings that change nothing),
 // UNCERTAIN_CORRECTION (a finding that is chosen), INDISTINGUISHABLE (a chosen finding may be
 // either's, and taken_as is empty), NO_SUCH_FINDING (taken_as is no cause of it, or none of the
 // chosen is open), NO_LENGTH (an instrument's error that no length of these data can take); those
