@@ -1,5 +1,5 @@
 #pragma once
-// What is made of a finding that may be the robot's own deviation or an instrument's error. Pure.
+// The side, robot or instrument, on which a finding is taken that may be either's error. Pure.
 //
 // Two things tell them apart: what the caller says, and for a jump the outputs. An instrument that
 // jumps shows in every output in the proportion of the slopes of its axis, a motor that slips in
@@ -16,7 +16,7 @@
 
 namespace driftwise::application {
 
-// How far one explanation of a jump is ahead of the other, in 2 ln L, to be taken for known.
+// Lead of one explanation of a jump over the other, in 2 ln L, from which it is taken for known.
 inline constexpr double kTold2lnl = 12;
 
 // The finding is what its name says: it was chosen by its number.

@@ -166,7 +166,7 @@ TEST_F(ExtensionTest, ASetThatCannotBeToldApartNeedsAChoice) {
   EXPECT_EQ(accept(id, {1}).error().reason, "EXTENSION_STANDS");
 }
 
-// What the plan says by itself, as for an automatic acceptance.
+// Plan of an automatic acceptance: no finding is insisted on.
 TEST_F(ExtensionTest, WhatMayBeTheRobotsOrAnInstrumentsIsNotPlannedUnasked) {
   const auto columns = data();
   application::RunsData rows{columns, {}, {}};
