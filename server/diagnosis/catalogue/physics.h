@@ -67,7 +67,6 @@ class Physics {
   std::optional<LeverLimits> levers_;
   double width_ = 1;
   double longest_stroke_mm_ = 0, hours_ = 0, force_range_ = 0;
-  bool air_measured_ = false;
   std::vector<double> noise_sd_;  // of neighbouring rows, summary units
   Eigen::MatrixXd slopes_;        // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
 };
