@@ -1,5 +1,6 @@
 #include "tests/hidden_effects/foreign/readings.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -121,6 +122,51 @@ MatrixXd effect_on_pose(const Campaign& campaign, const Errors& errors) {
                          campaign.pose(none, none, campaign.read));
 }
 
+// Orthonormal basis of what the smoothed thermometers of the baseline add to the baseline.
+MatrixXd smoothed_baseline(const Campaign& campaign, const Whitened& whitened,
+                           const MatrixXd& body) {
+  MatrixXd series(campaign.rows(), static_cast<Eigen::Index>(campaign.offered.size()));
+  for (std::size_t k = 0; k < campaign.offered.size(); ++k) {
+    const VectorXd one = body.col(campaign.offered[k]);
+    series.col(static_cast<Eigen::Index>(k)) = one.array() - one[0];
+  }
+  const MatrixXd white = whitened.whiten_columns(series);
+  MatrixXd clear = whitened.clear_columns(series);
+  for (Eigen::Index k = 0; k < clear.cols(); ++k) {
+    const bool lost =
+        clear.col(k).norm() < 1e-9 * white.col(k).norm() || clear.col(k).norm() == 0.0;
+    clear.col(k) *= lost ? 0.0 : 1.0 / clear.col(k).norm();
+  }
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(clear);
+  qr.setThreshold(1e-9);
+  return qr.householderQ() * MatrixXd::Identity(clear.rows(), qr.rank());
+}
+
+struct Explained {
+  double sum = 0.0;
+  int columns = 0;
+};
+
+// Gain of one free amplitude per pose coordinate, against noise and what is left with it.
+// All three are whitened, cleared, rows x coordinates.
+Explained explained_by(const MatrixXd& columns, const MatrixXd& effect, const MatrixXd& leak,
+                       double freedom) {
+  Explained out;
+  for (Eigen::Index j = 0; j < effect.cols(); ++j) {
+    const double size = columns.col(j).norm();
+    if (!(size > 1e-9 * columns.norm())) {
+      continue;
+    }
+    ++out.columns;
+    const VectorXd along = columns.col(j) / size;
+    const double part = along.dot(effect.col(j));
+    const double left = effect.col(j).squaredNorm() - part * part;
+    const double leaked = leak.col(j).squaredNorm() - std::pow(along.dot(leak.col(j)), 2);
+    out.sum += part * part / (1.0 + std::max(0.0, left + leaked) / std::max(1.0, freedom));
+  }
+  return out;
+}
+
 }  // namespace
 
 Carried carried_by_readings(const Campaign& campaign, const Planted& planted, const MatrixXd& given,
@@ -134,11 +180,9 @@ Carried carried_by_readings(const Campaign& campaign, const Planted& planted, co
     return carried;
   }
   const MatrixXd none = campaign.no_motor_error();
-  const MatrixXd leak =
-      whitened.clear(campaign.effect(campaign.pose(none, none, campaign.body),
-                                     campaign.pose(none, none, campaign.read)));
-  const double freedom =
-      std::max(1.0, static_cast<double>(effect.rows()) - whitened.parameters() - 1.0);
+  const MatrixXd leak = whitened.clear(campaign.effect(campaign.pose(none, none, campaign.body),
+                                                       campaign.pose(none, none, campaign.read)));
+  const double rows = static_cast<double>(effect.rows());
   for (const double smoothing : kSmoothings) {
     if (smoothing > 0.0 && planted.cause.rfind("thermal_", 0) != 0) {
       break;
@@ -152,25 +196,20 @@ Carried carried_by_readings(const Campaign& campaign, const Planted& planted, co
       const Hidden cause = draw_cause(planted.cause, file, stream);
       const MatrixXd columns =
           whitened.clear(effect_on_pose(campaign, cause.errors(planted.amplitude)));
-      double sum = 0.0;
-      int used = 0;
-      for (Eigen::Index j = 0; j < effect.cols(); ++j) {
-        const double size = columns.col(j).norm();
-        if (!(size > 1e-9 * columns.norm())) {
-          continue;
-        }
-        ++used;
-        const VectorXd along = columns.col(j) / size;
-        const double part = along.dot(effect.col(j));
-        const double left = effect.col(j).squaredNorm() - part * part;
-        const double leaked = leak.col(j).squaredNorm() - std::pow(along.dot(leak.col(j)), 2);
-        sum += part * part / (1.0 + std::max(0.0, left + leaked) / freedom);
+      const MatrixXd also = smoothing > 0.0 && !campaign.offered.empty()
+                                ? smoothed_baseline(campaign, whitened, file.body)
+                                : MatrixXd(effect.rows(), 0);
+      const auto beyond = [&also](const MatrixXd& table) -> MatrixXd {
+        return table - also * (also.transpose() * table);
+      };
+      const double used = whitened.parameters() + static_cast<double>(also.cols()) + 1.0;
+      const Explained found =
+          explained_by(beyond(columns), beyond(effect), beyond(leak), rows - used);
+      if (smoothing == 0.0 && found.sum > carried.in_readings) {
+        carried.in_readings = found.sum;
+        carried.columns = found.columns;
       }
-      if (smoothing == 0.0 && sum > carried.in_readings) {
-        carried.in_readings = sum;
-        carried.columns = used;
-      }
-      carried.in_smoothed_readings = std::max(carried.in_smoothed_readings, sum);
+      carried.in_smoothed_readings = std::max(carried.in_smoothed_readings, found.sum);
     }
   }
   return carried;
