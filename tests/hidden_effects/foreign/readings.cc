@@ -20,7 +20,8 @@ constexpr double kSmoothings[] = {0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0};
 // The controller holds to 5 at most (make_campaign).
 constexpr double kHolding[] = {0.0, 25.0};
 
-// Causes whose columns are rows, instants or the readings themselves.
+// Causes that a row, an instant or the reading itself defines, which the file has exactly.
+// noise_change has no column.
 bool is_event(const std::string& cause) {
   static const std::set<std::string> events{"step_change", "outliers", "sensor_fault",
                                             "noise_change"};
@@ -80,8 +81,9 @@ std::vector<Move> moves_of_rows(const Campaign& campaign, double holding) {
   return moves;
 }
 
-// Campaign in which every channel is as the file has it. Between rows temperatures go straight, and
-// the activity of a row has lasted since the row before.
+// Campaign in which every channel is as the file has it. Motor values are exact in the file, and
+// with them the place by the baseline's geometry. Between rows temperatures go straight, and the
+// activity of a row has lasted since the row before.
 Campaign campaign_of_file(const Campaign& campaign, const MatrixXd& tilt_read, double smoothing,
                           double holding) {
   Campaign file = campaign;
