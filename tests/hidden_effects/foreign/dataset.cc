@@ -75,7 +75,7 @@ std::string rms_json(const Campaign& campaign, const Eigen::VectorXd& rms) {
   return list(items);
 }
 
-std::string truth_json(const Truth& truth, const Dress& dress) {
+std::string truth_json(const Truth& truth, const Dress& dress, bool listed) {
   std::vector<std::string> subjects;
   for (const std::string& subject : truth.subjects) {
     subjects.push_back(quoted(dress.symbol_of(subject)));
@@ -98,6 +98,9 @@ std::string truth_json(const Truth& truth, const Dress& dress) {
          ",\"subjects\":" + list(subjects) + ",\"parameters\":{" + parameters +
          "},\"chi2\":" + number(truth.chi2) +
          ",\"chi2_beyond_other\":" + number(truth.chi2_beyond_other) +
+         (listed ? ",\"chi2_in_readings\":" + number(truth.chi2_in_readings) +
+                       ",\"chi2_in_smoothed_readings\":" + number(truth.chi2_in_smoothed_readings)
+                 : std::string()) +
          ",\"identifiable\":" + (truth.identifiable ? "true" : "false") +
          ",\"set\":" + rivals(truth.set) + ",\"nearest\":" + rivals(truth.nearest) + "}";
 }
@@ -275,7 +278,7 @@ std::string key_json(const Generated& made, const Dress& dress, const std::strin
   const Campaign& campaign = made.campaign;
   std::vector<std::string> truths;
   for (const Truth& truth : made.truths) {
-    truths.push_back(truth_json(truth, dress));
+    truths.push_back(truth_json(truth, dress, !made.planted.empty()));
   }
   std::vector<std::string> allowed;
   for (const std::string& cause : made.allowed) {

@@ -263,5 +263,120 @@ TEST(ForeignPopulation, ARivalOfTheSameShapeLeavesNothing) {
   }
 }
 
+// The same campaign as if its thermometers and tilts were read without any error.
+Generated read_exactly(Generated made) {
+  made.campaign.read = made.campaign.body;
+  made.tilt_read = made.campaign.tilt;
+  return made;
+}
+
+Carried carried(const Generated& made) {
+  return carried_by_readings(made.campaign, made.planted.at(0), made.campaign.read, made.tilt_read);
+}
+
+TEST(ForeignReadings, CarryAllOfAnEffectWhenTheyAreExact) {
+  for (const char* cause :
+       {"geometry_order", "thermal_offset", "thermal_expansion", "force_compliance",
+        "force_nonlinearity", "force_position_coupling", "cyclic_error", "abbe_offset",
+        "cosine_error", "refractive_index", "instrument_drift", "periodic_disturbance"}) {
+    const Carried found = carried(read_exactly(generate(order_of(31, "single", cause))));
+    EXPECT_GE(found.columns, 1) << cause;
+    EXPECT_NEAR(found.in_readings / found.chi2, 1.0, 1e-6) << cause;
+    EXPECT_NEAR(found.in_smoothed_readings / found.chi2, 1.0, 1e-6) << cause;
+  }
+}
+
+TEST(ForeignReadings, NeverCarryMoreThanWasPlanted) {
+  for (const std::string& cause : cause_ids()) {
+    const Generated made = generate(order_of(32, "single", cause));
+    const Truth& truth = made.truths.at(0);
+    EXPECT_GE(truth.chi2_in_readings, 0.0) << cause;
+    EXPECT_LE(truth.chi2_in_readings, truth.chi2 * (1.0 + 1e-9)) << cause;
+    EXPECT_GE(truth.chi2_in_smoothed_readings, truth.chi2_in_readings) << cause;
+    EXPECT_LE(truth.chi2_in_smoothed_readings, truth.chi2 * (1.0 + 1e-9)) << cause;
+  }
+}
+
+TEST(ForeignReadings, CarryLessOfAThermometerTheCoarserItsSteps) {
+  Generated made = read_exactly(generate(order_of(4200009, "single", "thermal_offset")));
+  double before = 1.0 + 1e-6;
+  for (const double quantum_k : {1e-5, 1e-3, 3e-3, 1e-2, 3e-2}) {
+    made.campaign.read = (made.campaign.body / quantum_k).array().round() * quantum_k;
+    const Carried found = carried(made);
+    EXPECT_LT(found.in_readings / found.chi2, before) << quantum_k;
+    before = found.in_readings / found.chi2;
+  }
+  EXPECT_LT(before, 0.3);
+}
+
+// Dwell series go to a place before each row that they do not measure: the direction of approach is
+// not in the file.
+TEST(ForeignReadings, DoNotCarryAnApproachThatNoRowShows) {
+  Order order = order_of(5, "single", "backlash");
+  order.plan = "lattice";
+  const Truth shown = generate(order).truths.at(0);
+  EXPECT_GT(shown.chi2_in_readings / shown.chi2, 0.95);
+  order.plan = "dwell_series";
+  const Truth hidden = generate(order).truths.at(0);
+  EXPECT_LT(hidden.chi2_in_readings / hidden.chi2, 0.3);
+}
+
+double rss(const MatrixXd& design, const VectorXd& values) {
+  return (values - design * design.completeOrthogonalDecomposition().solve(values)).squaredNorm();
+}
+
+// Gain of least squares with the thermometer as it was read, over many draws of the noise. Another
+// decomposition, without the whitening code. F's mean is the stated number and at most one for each
+// column.
+TEST(ForeignReadings, StateWhatLeastSquaresGains) {
+  struct Case {
+    std::uint64_t seed;
+    double chi2;
+  };
+  for (const Case& one : {Case{4200009, 150.0}, Case{4200008, 75.0}}) {
+    Order order = order_of(one.seed, "single", "thermal_offset");
+    order.chi2 = one.chi2;
+    Generated made = generate(order);
+    ASSERT_EQ(made.campaign.noise.kind, "white");
+    // Without the baseline's own leak, which has one sign in one file.
+    made.campaign.thermal.setZero();
+    const Carried stated = carried(made);
+    EXPECT_LT(stated.in_readings, 0.9 * stated.chi2) << "nothing is lost here";
+    const std::vector<int>& rows = made.campaign.calibration;
+    const MatrixXd base = rows_of(made.campaign.design(made.campaign.read), rows);
+    const int sensor = made.campaign.thermometer_count() - 1;
+    MatrixXd with(base.rows(), base.cols() + 1);
+    with << base, rows_of(made.campaign.read.col(sensor), rows);
+    with.rightCols(1).array() -= with.rightCols(1).mean();
+    const MatrixXd effect = rows_of(made.effect, rows);
+    const double freedom = static_cast<double>(with.rows() - with.cols());
+    Random random(one.seed, "many draws");
+    constexpr int kDraws = 600;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      double gain = 0.0;
+      for (Eigen::Index j = 0; j < effect.cols(); ++j) {
+        if (effect.col(j).norm() < 1e-9 * effect.norm()) {
+          continue;
+        }
+        VectorXd values = effect.col(j) / made.campaign.robot.sigma[j];
+        for (double& value : values) {
+          value += random.normal();
+        }
+        const double left = rss(with, values);
+        gain += (rss(base, values) - left) / (left / freedom);
+      }
+      sum += gain / kDraws;
+      squares += gain * gain / kDraws;
+    }
+    const double error = std::sqrt((squares - sum * sum) / kDraws);
+    // The mean of F is freedom / (freedom - 2) times that of its parts.
+    const double mean = sum * (freedom - 2.0) / freedom;
+    EXPECT_GT(mean, stated.in_readings - 4.0 * error) << one.seed;
+    EXPECT_LT(mean, stated.in_readings + stated.columns + 4.0 * error) << one.seed;
+  }
+}
+
 }  // namespace
 }  // namespace driftwise::foreign

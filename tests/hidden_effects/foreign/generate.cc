@@ -226,6 +226,7 @@ Generated attempt(const Order& order, int number) {
   made.read = campaign.read;
   made.error_at_zero = VectorXd::Zero(campaign.robot.axes);
   for (const std::string& cause : causes) {
+    const Random before = effects;
     Hidden one = order.kind == "unlisted" ? draw_unlisted(cause, campaign, effects)
                                           : draw_cause(cause, campaign, effects);
     const double amplitude = one.noise_from_row >= 0
@@ -241,6 +242,9 @@ Generated attempt(const Order& order, int number) {
       made.error_at_zero += amplitude * one.at_zero;
     }
     effect.push_back(alone(campaign, errors).effect);
+    if (order.kind != "unlisted") {
+      made.planted.push_back({cause, before, amplitude, effect.back()});
+    }
     amplitudes.push_back(amplitude);
     one.parameters[one.amplitude_name] = amplitude;
     hidden.push_back(std::move(one));
@@ -288,6 +292,14 @@ Generated attempt(const Order& order, int number) {
   add_noise(made, hidden, amplitudes, noise);
   const MatrixXd none = campaign.no_motor_error();
   made.error = campaign.effect(made.pose, campaign.pose(none, none, made.read));
+  for (std::size_t k = 0; k < made.planted.size(); ++k) {
+    Truth& truth = made.truths[k];
+    const Carried carried =
+        carried_by_readings(campaign, made.planted[k], made.read, made.tilt_read);
+    const bool spread = hidden[k].noise_from_row >= 0;
+    truth.chi2_in_readings = spread ? truth.chi2 : carried.in_readings;
+    truth.chi2_in_smoothed_readings = spread ? truth.chi2 : carried.in_smoothed_readings;
+  }
   return made;
 }
 

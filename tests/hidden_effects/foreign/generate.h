@@ -6,6 +6,7 @@
 
 #include "tests/hidden_effects/foreign/campaign.h"
 #include "tests/hidden_effects/foreign/hidden.h"
+#include "tests/hidden_effects/foreign/readings.h"
 #include "tests/hidden_effects/foreign/rivals.h"
 
 namespace driftwise::foreign {
@@ -36,6 +37,10 @@ struct Truth {
   double chi2 = 0.0;
   // Strength beyond the other mechanism of a pair.
   double chi2_beyond_other = 0.0;
+  // Part of chi2 that the true cause explains with columns of the file's readings (strength.h), one
+  // by one and smoothed over the rows. Of catalogue causes only.
+  double chi2_in_readings = 0.0;
+  double chi2_in_smoothed_readings = 0.0;
   bool identifiable = true;
   // Subjects of the same cause within 20 in 2 ln L.
   std::vector<std::string> subjects;
@@ -63,6 +68,8 @@ struct Generated {
   // from it.
   Eigen::VectorXd error_at_zero;
   std::vector<Truth> truths;
+  // Catalogue causes as they were planted, in the order of `truths`.
+  std::vector<Planted> planted;
   // Causes that are named rightly though nothing was hidden (spread that depends on place or hour).
   std::vector<std::string> allowed;
   int attempts = 1;

@@ -6,15 +6,18 @@
   judge.py run --dir DIR --driftwise PROGRAM --work WORK     data sets that are there, with DIR/key.jsonl
   judge.py report --work WORK [--markdown]        rates of what is recorded
   judge.py compare --before WORK --after WORK     paired counts and McNemar's test
+  judge.py rekey --work WORK --generator PROGRAM  keys made again from the recorded orders, nothing diagnosed
 
 WORK holds data/NUMBER/*.csv with its key and results.jsonl, one line per data set.
-Exit code: 0 done, 1 done and a promise is refuted by its interval (with --promises), 2 usage.
+Exit code: 0 done, 1 done and a promise is refuted by its interval (with --promises) or a key is not the
+recorded one (rekey), 2 usage.
 """
 import argparse
 import json
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -200,6 +203,44 @@ def run(args):
     return judge_report.report(recorded, args.markdown, args.promises)
 
 
+def extends(new, old):
+    """Every figure of the old key is in the new one, unchanged."""
+    if isinstance(old, dict):
+        return isinstance(new, dict) and all(name in new and extends(new[name], old[name]) for name in old)
+    if isinstance(old, list):
+        return isinstance(new, list) and len(new) == len(old) and all(map(extends, new, old))
+    return new == old
+
+
+def rekey(work, generator):
+    """Gives recorded results the key that this generator writes for their orders."""
+    path = os.path.join(work, "results.jsonl")
+    recorded = judge_report.read_results(path)
+    if not recorded:
+        print(f"{path}: no recorded result", file=sys.stderr)
+        return 2
+    new, other, without = 0, [], 0
+    for line in recorded:
+        if not line.get("key") or "seed" not in line["order"]:
+            without += 1
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            key, why = generate(generator, line["order"], folder)
+        if key is None or not extends(key, line["key"]):
+            other.append(f"{line['number']}{': ' + why if why else ''}")
+            continue
+        new += 1
+        line["key"] = key
+    with open(path + ".new", "w") as results:
+        for line in recorded:
+            results.write(json.dumps(line) + "\n")
+    os.replace(path + ".new", path)
+    print(f"{new} keys made again, {len(other)} not the recorded ones and left as they were, {without} without an order")
+    if other:
+        print("not the recorded key: " + ", ".join(other))
+    return 1 if other else 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     verbs = parser.add_subparsers(dest="verb", required=True)
@@ -221,6 +262,9 @@ def main():
     compares = verbs.add_parser("compare")
     compares.add_argument("--before", required=True)
     compares.add_argument("--after", required=True)
+    rekeys = verbs.add_parser("rekey")
+    rekeys.add_argument("--work", required=True)
+    rekeys.add_argument("--generator", default="build/release/bin/foreign_generator")
     for verb in (runs, reports):
         verb.add_argument("--work", required=True)
         verb.add_argument("--markdown", action="store_true")
@@ -228,6 +272,8 @@ def main():
     args = parser.parse_args()
     if args.verb == "run":
         return run(args)
+    if args.verb == "rekey":
+        return rekey(args.work, args.generator)
     if args.verb == "report":
         results = judge_report.read_results(os.path.join(args.work, "results.jsonl"))
         return judge_report.report(results, args.markdown, args.promises)

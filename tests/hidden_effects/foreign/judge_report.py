@@ -8,6 +8,10 @@ ANY_SUBJECT = {"geometry_order", "outliers", "noise_change", "force_compliance",
                "force_position_coupling"}
 # Tolerance of held-out figures: docs/diagnosis.md.
 WORSE = 1.02
+# Shares of the planted strength that the readings carry: upper bounds of the groups, and their names.
+SHARES = ((0.3, "below 0.3"), (0.7, "0.3 to 0.7"), (float("inf"), "at least 0.7"))
+# Promised exact rates of identifiable data sets, by kind and strength.
+PROMISED = {("single", 75): 0.95, ("single", 150): 0.98, ("pair", 200): 0.90}
 
 
 def read_results(path):
@@ -134,6 +138,58 @@ def rate_text(k, n):
     return f"{k}/{n} = {100.0 * k / max(n, 1):.1f} % [{100 * low:.1f}, {100 * high:.1f}]"
 
 
+def carried_share(line, figure="chi2_in_readings"):
+    """Least share of its planted chi2 that the readings carry, over the hidden causes; None: not in the key."""
+    shares = [truth[figure] / truth["chi2"] for truth in line["key"]["hidden"] if figure in truth]
+    return min(shares) if shares and len(shares) == len(line["key"]["hidden"]) else None
+
+
+def share_group(share):
+    return next(name for bound, name in SHARES if share < bound)
+
+
+def by_share(lines, markdown):
+    """Identifiable singles and pairs by what the readings carry. A breakdown, which the promises do not use."""
+    sure = [l for l in lines if l["key"]["kind"] in ("single", "pair") and l["outcome"]["identifiable"]]
+    known = [l for l in sure if carried_share(l) is not None]
+    if not known:
+        return
+    print(("\n## " if markdown else "\n=== ") + "Breakdown by what the readings carry: identifiable, exact")
+    print("Share: chi2_in_readings / chi2 of the key, of pairs the lesser one. The promises above are over all of them.")
+    if len(known) < len(sure):
+        print(f"keys without the figure: {len(sure) - len(known)} of {len(sure)} (judge.py rekey)")
+    if markdown:
+        print("\n| kind | share | count | exact, with 95 % interval |\n|---|---|---|---|")
+    kinds = sorted({(l["key"]["kind"], l["key"]["chi2"]) for l in known}, key=lambda k: (k[0] != "single", k[1]))
+    for kind, chi2 in kinds + [("all", None)]:
+        own = [l for l in known if kind == "all" or (l["key"]["kind"], l["key"]["chi2"]) == (kind, chi2)]
+        title = "all" if kind == "all" else f"{kind} {chi2:g}"
+        for _, name in SHARES:
+            group = [l["outcome"]["exact"] for l in own if share_group(carried_share(l)) == name]
+            text = rate_text(sum(group), len(group)) if group else "none"
+            print(f"| {title} | {name} | {len(group)} | {text} |" if markdown else f"  {title:12s} {name:14s} {text}")
+    print()
+    for kind, chi2 in kinds:
+        own = [l["outcome"]["exact"] for l in known if (l["key"]["kind"], l["key"]["chi2"]) == (kind, chi2)
+               and share_group(carried_share(l)) == SHARES[-1][1]]
+        rate = PROMISED.get((kind, chi2))
+        print(f"{'- ' * markdown}breakdown, not the promise: {kind} {chi2:g}, exact, of those whose readings carry at "
+              f"least 0.7: {rate_text(sum(own), len(own))}"
+              + (f"; promised over all: {100 * rate:g} %" if rate else ""))
+    moved = [str(l["number"]) for l in known
+             if share_group(carried_share(l, "chi2_in_smoothed_readings")) != share_group(carried_share(l))]
+    print("in another group when thermometers are smoothed over the rows: " + (", ".join(moved) or "none"))
+    missed = [l for l in known if not l["outcome"]["exact"] and share_group(carried_share(l)) == SHARES[-1][1]]
+    print(f"missed with at least 0.7: {len(missed)}")
+    for l in missed:
+        key = l["key"]
+        causes = "; ".join(f"{t['cause']} {t['subject']} chi2 {t['chi2']:.1f}, in readings {t['chi2_in_readings']:.1f}"
+                           for t in key["hidden"])
+        said = ", ".join(f"{f['cause']} {f.get('subject') or ''}".strip() for f in l["result"]["findings"])
+        print(f"  {l['number']} {key['kind']} {key['robot']} {key['plan']} {key['noise']}: {causes} -> "
+              f"{l['outcome']['verdict']}{' ' + said if said else ''}")
+
+
 def strata_of(line):
     key = line["key"]
     stroke = key["stroke"]
@@ -229,6 +285,7 @@ def report(results, markdown=False, promises=False):
         head(f"Pairs: {len(pairs)} data sets, {len(sure)} identifiable")
         promise("identifiable, exact", sum(l["outcome"]["exact"] for l in sure), len(sure), 0.90)
         print("all, exact or in the set: " + rate_text(sum(l["outcome"]["in_set"] for l in pairs), len(pairs)))
+    by_share(counted, markdown)
     if kinds["unlisted"]:
         others = kinds["unlisted"]
         head(f"In no catalogue: {len(others)} data sets")

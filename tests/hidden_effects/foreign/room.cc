@@ -49,22 +49,6 @@ Weather draw_weather(double duration_s, Random& random) {
   return weather;
 }
 
-void spread_motion(RoomTrace& room, const std::vector<Move>& moves) {
-  const Eigen::Index steps = room.motion.rows();
-  for (const Move& move : moves) {
-    const VectorXd length = (move.to - move.from).cwiseAbs();
-    const double span = std::max(move.end_s - move.begin_s, 1e-6);
-    for (Eigen::Index k = std::max(0L, static_cast<long>(move.begin_s / room.step_s));
-         k < steps && static_cast<double>(k) * room.step_s < move.end_s; ++k) {
-      const double low = std::max(move.begin_s, static_cast<double>(k) * room.step_s);
-      const double high = std::min(move.end_s, static_cast<double>(k + 1) * room.step_s);
-      if (high > low) {
-        room.motion.row(k) += (length * ((high - low) / span / room.step_s)).transpose();
-      }
-    }
-  }
-}
-
 }  // namespace
 
 double RoomTrace::at(const Eigen::Ref<const VectorXd>& series, double time_s) const {
@@ -84,6 +68,22 @@ VectorXd RoomTrace::lagged(const Eigen::Ref<const VectorXd>& series, double tau_
     out[k] = state;
   }
   return out;
+}
+
+void spread_motion(RoomTrace& room, const std::vector<Move>& moves) {
+  const Eigen::Index steps = room.motion.rows();
+  for (const Move& move : moves) {
+    const VectorXd length = (move.to - move.from).cwiseAbs();
+    const double span = std::max(move.end_s - move.begin_s, 1e-6);
+    for (Eigen::Index k = std::max(0L, static_cast<long>(move.begin_s / room.step_s));
+         k < steps && static_cast<double>(k) * room.step_s < move.end_s; ++k) {
+      const double low = std::max(move.begin_s, static_cast<double>(k) * room.step_s);
+      const double high = std::min(move.end_s, static_cast<double>(k + 1) * room.step_s);
+      if (high > low) {
+        room.motion.row(k) += (length * ((high - low) / span / room.step_s)).transpose();
+      }
+    }
+  }
 }
 
 RoomTrace make_room(double duration_s, int motors, const std::vector<Move>& moves,

@@ -54,6 +54,9 @@ struct ActivityChange {
   double level = 0.0;
 };
 
+// Adds the way of the motors in each step of the trace to `room.motion`.
+void spread_motion(RoomTrace& room, const std::vector<Move>& moves);
+
 RoomTrace make_room(double duration_s, int motors, const std::vector<Move>& moves,
                     const std::vector<ActivityChange>& activity,
                     const std::vector<Thermometer>& thermometers, Random& random);
