@@ -36,9 +36,9 @@ constexpr double kLever_mm = 20, kDeadPath_mm = 100, kBeam_mm = 500;
 // aperture of 6 mm it is lost. Nothing is mounted worse than by a degree.
 constexpr double kBeamWalk_mm = 3, kWorstMount_arcsec = 3600, kOfWorstBeam = 1.0 / 3;
 constexpr double kDrift_nm_per_h = 50;
-// Of a helium-neon tube that warms up: it sweeps its gain curve, 1.5 GHz or 3 ppm, within hours. Air
-// that nobody measures is next (0.6, by Edlen's coefficients below, of 1 hPa and a third of a kelvin
-// in an hour), a stabilised laser last (0.02): the smaller shares of this width.
+// Of a helium-neon tube that warms up: it sweeps its gain curve, 1.5 GHz or 3 ppm, within hours.
+// Air that nobody measures is next (0.6, by Edlen's coefficients below, of 1 hPa and a third of a
+// kelvin in an hour), a stabilised laser last (0.02): the smaller shares of this width.
 constexpr double kScaleDrift_ppm_per_h = 1;
 constexpr double kJump_nm = 316.4;  // half a wavelength of a helium-neon laser
 // Refractivity of air at 20 degC, 1013.25 hPa, 50 % (Edlen; Birch and Downs 1994).
@@ -178,8 +178,7 @@ std::span<const PhysicsRecord> physics_table() {
        "3 x", "the returning beam walks by 2 angle x stroke"},
       {"refractive_index", "mm of dead path; share of the path measured", "100; 1",
        "10 x; the whole", "Birch and Downs 1994"},
-      {"instrument_drift", "nm/h; ppm/h",
-       "50 or 3 sigma over the duration; 1", "20 x",
+      {"instrument_drift", "nm/h; ppm/h", "50 or 3 sigma over the duration; 1", "20 x",
        "zero of interferometers and of probes; a laser that warms up, the weather"},
       {"step_change", "nm", "316.4 or 10 sigma", "", "lost fringes; a slip has no end"},
       {"periodic_disturbance", "nm", "20 or 2 sigma", "10 x", "air conditioning, vibration"},
@@ -261,9 +260,8 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "periodic_disturbance") return std::max(kWave_nm, 2 * sigma);
   if (id == "step_change") return std::max(kJump_nm, large);
   if (id == "instrument_drift")
-    return term.factors.size() > 1
-               ? kScaleDrift_ppm_per_h * nm_per_ppm(term, output)
-               : std::max(kDrift_nm_per_h, 3 * sigma / std::max(hours_, 1e-9));
+    return term.factors.size() > 1 ? kScaleDrift_ppm_per_h * nm_per_ppm(term, output)
+                                   : std::max(kDrift_nm_per_h, 3 * sigma / std::max(hours_, 1e-9));
   if (id == "geometry_order") {
     double size = std::max(kGeometry * stroke_nm, large);
     for (const auto& symbol : effects::symbols_of(term)) {
