@@ -87,6 +87,10 @@ Choice what_can_be_told(const diagnosis::Diagnosis& found) {
   return choice;
 }
 
+std::string turns_made(int count) {
+  return count == 1 ? "one turn was made" : fmt::format("{} turns were made", count);
+}
+
 }  // namespace
 
 ImprovementLoop::ImprovementLoop(asio::any_io_executor executor, ImprovementServices services,
@@ -113,7 +117,7 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
     if (*after == After::end) co_return reason_;
     if (turn_.number >= request_.max_turns) {
-      co_return fmt::format("{} turns were made", turn_.number);
+      co_return turns_made(turn_.number);
     }
     const int next = turn_.number + 1;
     turn_ = {};
