@@ -91,15 +91,24 @@ TEST_F(AnalogueDrivers, TheForceOfAMotorIsTheSameFromBothSidesOfItsFriction) {
   const auto unknown = read(motor);
   EXPECT_EQ(*unknown.find("motor_force_dead_band_1"), 1);
   EXPECT_NEAR(*unknown.find("motor_force_N"), 0, 3 * *unknown.find("motor_force_u_N"));
-  move_to(robot, {1, 0, 0}, follower);
-  const auto upwards = read(motor);
-  move_to(robot, {2, 0, 0}, follower);
-  move_to(robot, {1, 0, 0}, follower);
-  const auto downwards = read(motor);
-  for (const auto* one : {&upwards, &downwards}) {
-    EXPECT_EQ(*one->find("motor_force_dead_band_1"), 0);
+  // A peak of the ring-down that the follower happens to see is a reversal: the driver then says
+  // that it does not know the direction, and the force is anywhere within the friction of 0.4 N.
+  const auto at_1_mm_from = [&](double start_mm) {
+    for (int approach = 0; approach < 10; ++approach) {
+      move_to(robot, {start_mm, 0, 0}, follower);
+      move_to(robot, {1, 0, 0}, follower);
+      auto reading = read(motor);
+      if (*reading.find("motor_force_dead_band_1") == 0) return reading;
+      EXPECT_NEAR(*reading.find("motor_force_N"), 2, 0.42);
+      EXPECT_GT(*reading.find("motor_force_u_N"), 0.2) << "0.4 N / sqrt(3)";
+    }
+    return Reading{};
+  };
+  const auto upwards = at_1_mm_from(0), downwards = at_1_mm_from(2);
+  ASSERT_FALSE(upwards.values.empty() || downwards.values.empty())
+      << "the direction is not known after ten approaches";
+  for (const auto* one : {&upwards, &downwards})
     EXPECT_NEAR(*one->find("motor_force_N"), 2, 0.02) << "2 N/mm at 1 mm";
-  }
   // The servo's ring-down eases the friction by a percent or two.
   EXPECT_NEAR(*upwards.find("motor_1_202_V") - *downwards.find("motor_1_202_V"), 2 * 0.4 / 4, 0.006)
       << "the hysteresis is in the voltage";
