@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -15,8 +16,9 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kClip = 3.5;
-constexpr int kFirstNulls = 49, kClearlyNoise = 4;  // of the first as large as the data
-constexpr double kPower = 0.8416;                   // normal quantile of 80 %
+constexpr std::array kNullsBy = {24, 49, 99};  // after so many the test may end
+constexpr int kClearlyNoise = 4;               // of them as large as the data
+constexpr double kPower = 0.8416;              // normal quantile of 80 %
 constexpr double kShortTau = 3;  // of the grid's shortest: no slow effect looks like it
 constexpr Eigen::Index kMostFieldColumns = 128;
 
@@ -107,8 +109,7 @@ std::vector<NoiseShape> Omnibus::shapes_with_a_field(const Ground& ground) const
 std::optional<Omnibus::Grown> Omnibus::grown(const RandomField& field,
                                              const std::vector<Eigen::MatrixXd>& series,
                                              const std::function<bool()>& tick) const {
-  std::vector<RandomField::Seen> seen;
-  for (const auto& one : series) seen.push_back(field.see(one));
+  const RandomField::Seen seen = field.see(series);
   const Eigen::Index count = series.front().cols();
   Grown result{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), {}, {}};
   for (std::size_t g = 0; g < fields_.size(); ++g) {
@@ -195,8 +196,9 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
   Statistic strongest = form;
   std::size_t family = 0, family_of_all = 0;
   Eigen::Index output = 0, output_of_all = 0;
-  for (const int more : {std::min(kFirstNulls, options.nulls), options.nulls - kFirstNulls}) {
-    if (more <= 0) break;
+  for (const int upto : {kNullsBy[0], kNullsBy[1], kNullsBy[2], options.nulls}) {
+    const int more = std::min(upto, options.nulls) - result.nulls;
+    if (more <= 0) continue;
     const bool with_data = result.nulls == 0;
     std::vector<Eigen::MatrixXd> series(static_cast<std::size_t>(outputs),
                                         Eigen::MatrixXd(series_.rows(), more + with_data));

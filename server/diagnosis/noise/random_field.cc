@@ -8,8 +8,7 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr std::array<double, 6> kFieldOverNoise = {0.03, 0.1, 0.3, 1, 3, 10};
-constexpr double kLeastEigenvalue = 1e-9;  // of the largest
-constexpr double kLeastSquares = 1e-12;    // of a series' sum of squares
+constexpr float kLeastShare = 1e-6F;  // of a series' sum of squares, left by a field
 constexpr int kClippings = 2;
 
 }  // namespace
@@ -22,60 +21,105 @@ RandomField::RandomField(const Timeline& timeline, const std::vector<NoiseShape>
   for (const auto& shape : shapes) spaces_.emplace_back(timeline, shape, independent);
 }
 
-RandomField::Seen RandomField::see(const Eigen::MatrixXd& series) const {
+RandomField::Seen RandomField::see(const std::vector<Eigen::MatrixXd>& outputs) const {
+  const Eigen::Index rows = outputs.front().rows(), series = outputs.front().cols();
   Seen seen;
-  seen.squares.resize(static_cast<Eigen::Index>(spaces_.size()), series.cols());
-  seen.without = Eigen::ArrayXd::Constant(series.cols(), INFINITY);
-  for (std::size_t s = 0; s < spaces_.size(); ++s) {
-    Eigen::MatrixXd left = spaces_[s].left_over(series);
+  seen.series = series;
+  Eigen::MatrixXd all(rows, series * static_cast<Eigen::Index>(outputs.size()));
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    all.middleCols(static_cast<Eigen::Index>(o) * series, series) = outputs[o];
+  Eigen::ArrayXd without = Eigen::ArrayXd::Constant(all.cols(), INFINITY);
+  for (const auto& space : spaces_) {
+    Eigen::MatrixXd left = space.left_over(all);
     for (int pass = 0; pass < kClippings; ++pass) {
       for (Eigen::Index k = 0; k < left.cols(); ++k) {
         const double most =
             clip_ * left.col(k).norm() / std::sqrt(static_cast<double>(left.rows()));
         left.col(k) = left.col(k).cwiseMax(-most).cwiseMin(most);
       }
-      spaces_[s].project(left);  // what was clipped is no part of the base either
+      space.project(left);  // what was clipped is no part of the base either
     }
-    const auto row = static_cast<Eigen::Index>(s);
-    seen.squares.row(row) = left.colwise().squaredNorm();
-    for (Eigen::Index k = 0; k < left.cols(); ++k)
-      seen.without[k] = std::min(seen.without[k], spaces_[s].criterion(seen.squares(row, k)));
-    seen.left.push_back(std::move(left));
+    Eigen::ArrayXd criterion(left.cols());
+    for (Eigen::Index k = 0; k < left.cols(); ++k) {
+      const double squares = left.col(k).squaredNorm();
+      criterion[k] = space.criterion(squares);
+      left.col(k) /= std::sqrt(std::max(squares, 1e-300));
+    }
+    without = without.min(criterion);
+    space.project(left);  // in place of every field's columns
+    seen.projected.push_back(left.cast<float>());
+    seen.behind.push_back(std::move(criterion));
   }
+  for (auto& behind : seen.behind) behind -= without;
   return seen;
 }
 
-Eigen::MatrixXd RandomField::growth(const Eigen::MatrixXd& columns,
-                                    const std::vector<Seen>& outputs) const {
-  const auto count = static_cast<Eigen::Index>(outputs.size());
-  Eigen::MatrixXd growth = Eigen::MatrixXd::Zero(count, outputs.front().without.size());
+namespace {
+
+// Gram matrix of a field's columns as Q T Q' with T tridiagonal: I + c T is factored anew for each
+// size of the field in a few operations per column.
+class TridiagonalGram {
+ public:
+  explicit TridiagonalGram(const Eigen::MatrixXd& gram) {
+    const Eigen::Tridiagonalization<Eigen::MatrixXd> reduced(gram);
+    diagonal_ = reduced.diagonal();
+    beside_ = reduced.subDiagonal();
+    packed_ = reduced.packedMatrix().cast<float>();
+    coefficients_ = reduced.householderCoefficients().cast<float>();
+  }
+
+  // along: columns x series; becomes Q' along, series x columns.
+  Eigen::ArrayXXf turned(Eigen::MatrixXf along) const {
+    if (along.rows() > 1)
+      along.applyOnTheLeft(Eigen::householderSequence(packed_, coefficients_)
+                               .setLength(along.rows() - 1)
+                               .setShift(1)
+                               .adjoint());
+    return along.transpose();
+  }
+  // Share of each series that the field takes at size c: along' (I / c + Q T Q')^-1 along.
+  // Returns the log determinant of I + c Q T Q'.
+  double share(double c, const Eigen::ArrayXXf& turned, Eigen::ArrayXf& taken) const {
+    double pivot = 1 + c * diagonal_[0], log_determinant = std::log(pivot);
+    Eigen::ArrayXf rest = turned.col(0);
+    taken = rest.square() * static_cast<float>(c / pivot);
+    for (Eigen::Index j = 1; j < diagonal_.size(); ++j) {
+      const double step = c * beside_[j - 1] / pivot;
+      pivot = 1 + c * diagonal_[j] - step * c * beside_[j - 1];
+      rest = turned.col(j) - static_cast<float>(step) * rest;
+      taken += rest.square() * static_cast<float>(c / pivot);
+      log_determinant += std::log(pivot);
+    }
+    return log_determinant;
+  }
+
+ private:
+  Eigen::VectorXd diagonal_, beside_;
+  Eigen::MatrixXf packed_;
+  Eigen::VectorXf coefficients_;
+};
+
+}  // namespace
+
+Eigen::MatrixXd RandomField::growth(const Eigen::MatrixXd& columns, const Seen& seen) const {
+  const Eigen::Index count = seen.behind.front().size();
+  Eigen::ArrayXf most = Eigen::ArrayXf::Zero(count), taken(count), worse(count);
+  Eigen::MatrixXd white;
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
-    const Eigen::MatrixXd white = spaces_[s].left_over(columns);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(white.transpose() * white);
-    const double largest = eigen.eigenvalues().tail(1)[0];
-    if (!(largest > 0)) continue;
-    const Eigen::Index none = (eigen.eigenvalues().array() < kLeastEigenvalue * largest).count();
-    const Eigen::ArrayXd values = eigen.eigenvalues().tail(columns.cols() - none);
-    const Eigen::MatrixXd turn = eigen.eigenvectors().rightCols(values.size());
-    for (std::size_t o = 0; o < outputs.size(); ++o) {
-      const Eigen::MatrixXd along =
-          (turn.transpose() * (white.transpose() * outputs[o].left[s])).array().square();
-      for (const double rho : kFieldOverNoise) {
-        const double per_column = rho / static_cast<double>(columns.cols());
-        const Eigen::ArrayXd more = 1 + per_column * values;
-        const Eigen::RowVectorXd taken = (per_column / more).matrix().transpose() * along;
-        const double log_determinant = more.log().sum();
-        for (Eigen::Index k = 0; k < taken.size(); ++k) {
-          const double all = outputs[o].squares(static_cast<Eigen::Index>(s), k);
-          const double with =
-              spaces_[s].criterion(std::max(all - taken[k], kLeastSquares * all)) + log_determinant;
-          auto& most = growth(static_cast<Eigen::Index>(o), k);
-          most = std::max(most, outputs[o].without[k] - with);
-        }
-      }
+    white = columns;
+    spaces_[s].whiten(white);
+    const TridiagonalGram gram(spaces_[s].gram_beyond(white));
+    const Eigen::ArrayXXf turned = gram.turned(white.cast<float>().transpose() * seen.projected[s]);
+    const auto dof = static_cast<float>(spaces_[s].dof());
+    const Eigen::ArrayXf behind = seen.behind[s].cast<float>();
+    for (const double rho : kFieldOverNoise) {
+      const auto log_determinant =
+          static_cast<float>(gram.share(rho / static_cast<double>(columns.cols()), turned, taken));
+      worse = behind + dof * (1 - taken).max(kLeastShare).log() + log_determinant;
+      most = most.max(-worse);
     }
   }
-  return growth;
+  return most.matrix().cast<double>().reshaped(seen.series, count / seen.series).transpose();
 }
 
 }  // namespace driftwise::diagnosis

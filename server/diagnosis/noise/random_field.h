@@ -19,20 +19,21 @@ namespace driftwise::diagnosis {
 
 class RandomField {
  public:
-  // Series of one output under each shape: whitened, freed of the base, clipped.
+  // Series under each shape: whitened, freed of the base, clipped. Columns: the series of the first
+  // output, then those of the second.
   struct Seen {
-    std::vector<Eigen::MatrixXd> left;  // per shape: rows x series
-    Eigen::MatrixXd squares;            // shapes x series
-    Eigen::ArrayXd without;             // per series: lowest criterion over the shapes
+    Eigen::Index series = 0;                 // of one output
+    std::vector<Eigen::MatrixXf> projected;  // per shape: unit length, then projected once more
+    std::vector<Eigen::ArrayXd> behind;      // per shape: criterion above that of the best shape
   };
 
   // clip: of each whitened series, in its standard deviations.
   RandomField(const Timeline& timeline, const std::vector<NoiseShape>& shapes, const SoftBase& base,
               double clip);
 
-  Seen see(const Eigen::MatrixXd& series) const;  // rows x series
-  // columns: rows x k, of about unit mean square. Outputs x series.
-  Eigen::MatrixXd growth(const Eigen::MatrixXd& columns, const std::vector<Seen>& outputs) const;
+  Seen see(const std::vector<Eigen::MatrixXd>& outputs) const;  // of each: rows x series
+  // columns: rows x k, of about unit mean square. Outputs x series; single precision.
+  Eigen::MatrixXd growth(const Eigen::MatrixXd& columns, const Seen& seen) const;
 
  private:
   double clip_;

@@ -68,6 +68,18 @@ Eigen::MatrixXd WhitenedSpace::left_over(Eigen::MatrixXd columns) const {
   return columns;
 }
 
+Eigen::MatrixXd WhitenedSpace::gram_beyond(const Eigen::MatrixXd& white) const {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(white.cols(), white.cols());
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
+  // (1 - r)^2 = 1 - r (2 - r) of each direction is left.
+  const Eigen::MatrixXd within =
+      (removed_.array() * (2 - removed_.array())).sqrt().matrix().asDiagonal() *
+      (basis_.transpose() * white);
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(within.transpose(), -1);
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  return gram;
+}
+
 double WhitenedSpace::criterion(double rss) const {
   return static_cast<double>(dof()) * std::log(rss) + log_determinants_;
 }

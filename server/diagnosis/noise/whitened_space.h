@@ -27,6 +27,8 @@ class WhitenedSpace {
   // Whitened columns freed of what the base explains.
   void project(Eigen::Ref<Eigen::MatrixXd> white) const;
   Eigen::MatrixXd left_over(Eigen::MatrixXd columns) const;  // both
+  // Products of whitened columns, each freed of what the base explains: those of project().
+  Eigen::MatrixXd gram_beyond(const Eigen::MatrixXd& white) const;
   // Twice the negative restricted log-likelihood of the shape, up to a constant that all shapes
   // share. rss: of left_over().
   double criterion(double rss) const;
