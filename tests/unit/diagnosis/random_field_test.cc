@@ -82,6 +82,18 @@ TEST(RandomField, GrowsAsTheDenseRestrictedLikelihoodSays) {
   EXPECT_GT(growth(0, 1), 20);  // the second series has the field in it
 }
 
+// Free and prior columns in the base: products of what project() leaves of each column.
+TEST(WhitenedSpaceGram, IsThatOfTheProjectedColumns) {
+  const Eigen::VectorXd precision = (Eigen::VectorXd(5) << 0, 0, 0, 0.5, 20).finished();
+  const SoftBase base(drawn(5, 6), precision);
+  const WhitenedSpace space(even_timeline(), {3, 200}, base);
+  const Eigen::MatrixXd white = drawn(7, 7);
+  Eigen::MatrixXd projected = white;
+  space.project(projected);
+  const Eigen::MatrixXd expected = projected.transpose() * projected;
+  EXPECT_NEAR((space.gram_beyond(white) - expected).norm(), 0, 1e-10 * expected.norm());
+}
+
 TEST(RandomField, OfColumnsThatTheBaseHasGrowsNothing) {
   const Timeline when = even_timeline();
   const Eigen::MatrixXd base = drawn(3, 4);
