@@ -447,8 +447,10 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, do
       bool mended = gain >= kEvidence;
       if (!mended && !by_readings_alone) continue;
       const double free = two_ln_likelihood(dataset, {row, 0, true}) - as_read;
+      // The size is known to a usual change: a part of the outputs' step is left for it.
+      const double unsure = std::max(usual_change(beyond[s]), resolution) / size;
       if (!by_readings_alone &&
-          (free - gain > lost_by_chance(outputs) ||
+          (free - gain > lost_by_chance(outputs) * (1 + free * unsure * unsure) ||
            chance_of_knock(at_row, free, gain, outputs) * static_cast<double>(sensors.size()) >
                alpha))
         continue;
