@@ -388,9 +388,9 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
       without_gaps(in_catalogue_units(dataset), conditions_of(dataset, options.baseline.outputs));
   Dataset mended = std::move(whole.data);
   auto sensors = mend_sensors(mended, options.baseline.outputs.size(), options.alpha,
-                              [&](const Dataset& data) {
+                              [&](const Dataset& data, const FreeLevel& level) {
                                 const auto laid = lay_out(data, options.baseline, kMostSearched);
-                                return laid ? two_ln_likelihood(*laid) : -INFINITY;
+                                return laid ? two_ln_likelihood(*laid, level) : -INFINITY;
                               });
   DiagnoseOptions asked = options;
   std::vector<std::string> dead;

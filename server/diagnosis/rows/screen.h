@@ -23,6 +23,14 @@ struct FaultySensor {
   bool named = true;  // false: told only, it may be real
 };
 
+// A level of every output from one row of the dataset on, free beside the baseline.
+struct FreeLevel {
+  std::size_t row = 0, unread = 0;  // unread: rows to either side that say nothing
+  bool is_free = false;             // false: no level, but the same rows are unread
+};
+// How well the baseline describes the outputs with these readings: two_ln_likelihood().
+using OutputsLikelihood = std::function<double(const Dataset& dataset, const FreeLevel& level)>;
+
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
 // frozen: the same number to the last digit for a tenth of the rows or more, and ten times longer
 //   than anywhere else; spiked: single values off both neighbours, which agree; jumped: a change
@@ -30,25 +38,27 @@ struct FaultySensor {
 //   make; swapped: two sensors that take one another's place in one row.
 // Single wrong values and those of a frozen stretch are blanked. A jump or an exchange is mended
 // only on evidence: a part can really warm. two_ln_likelihood says how well the baseline describes
-// the outputs with the readings as given to it: mended they must do better by 2 ln L of 25, and
-// after a jump the sensor must not go on as a ramp. A jump without a ramp that the outputs neither
-// speak for nor against is left as it was measured, and named where there are other thermometers
-// and none of them changes at that row beyond its noise: else the room may have done it, and it is
-// told only. One that the outputs follow is none: they
+// the outputs with the readings as given to it: mended they must do better by 2 ln L of 25.
+// A jump without a ramp that the outputs neither speak for nor against is left as it was measured,
+// and named where there are other thermometers and none of them changes at that row beyond its
+// noise: else the room may have done it, and it is told only. A jump of four usual changes, or with
+// a ramp after it, is named where the outputs speak for it: no free step of theirs explains more
+// beyond chance, no lag as much, and no knock of the robot at that row is likelier than alpha.
+// One that the outputs follow is none: they
 // lose more without it than chance takes in one of a hundred, and would lose with the same jump at
-// any of nineteen other rows. outputs: their number.
+// any of nineteen other rows; or they follow it with a lag. Outputs that step at that row by
+// something else are no such witness. outputs: their number.
 // A fault is named where its p is at most alpha. Frozen: a run of equal readings as long as that,
 // by how often the other readings repeat. Spiked, jumped: as large a change under Student's law
 // with the degrees of freedom that the sensor's other changes have (heavy tails: a room with
 // doors); times what the outputs say, exp(-gain / 2) of 2 ln L: a ratio of likelihoods has the
 // mean 1 where the readings are right. Swapped: by the outputs alone.
-std::vector<FaultySensor> mend_sensors(
-    Dataset& dataset, std::size_t outputs, double alpha,
-    const std::function<double(const Dataset&)>& two_ln_likelihood);
+std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, double alpha,
+                                       const OutputsLikelihood& two_ln_likelihood);
 
 // Of the outputs by the baseline, least squares over the rows that learn, with noise of first order
 // (correlated from row to row), up to a constant.
-double two_ln_likelihood(const Problem& problem);
+double two_ln_likelihood(const Problem& problem, const FreeLevel& level = {});
 
 struct OutlierRow {
   std::size_t row = 0;  // of the dataset

@@ -17,6 +17,9 @@ constexpr std::size_t kPlacebos = 19;  // an ordinary jump is the best of twenty
 constexpr double kEvidence = 25;       // 2 ln L of the outputs with the mended readings
 constexpr double kRamp = 0.25;         // of a jump, within a few rows after it
 constexpr double kMoves = 4;           // of its usual change: a thermometer that follows an event
+constexpr double kOverLag = 6;         // 2 ln L: odds of 20 to 1 against a part that warms slowly
+constexpr std::size_t kLags = 10;      // time constants that are tried
+constexpr std::size_t kMostSuspects = 16;  // per sensor, the largest
 
 constexpr std::size_t kRowsPerSensor = 10;
 constexpr std::size_t kSpan = 3;  // rows of a change that foretells: more than the readings' steps
@@ -33,8 +36,11 @@ double by_outputs(double gain) { return std::exp(-std::max(gain, 0.0) / 2); }
 
 struct Sensor {
   DatasetColumn* column = nullptr;
-  double usual = 0;                // size of own_change() from row to row
-  std::vector<std::size_t> jumps;  // rows
+  double usual = 0;  // size of own_change() from row to row
+  // Rows, ascending. jumps: so large that the readings alone show one. suspects: all others that
+  // stand out, named on the outputs' evidence only.
+  std::vector<std::size_t> jumps, suspects;
+  bool jumps_at(std::size_t row) const { return std::ranges::find(jumps, row) != jumps.end(); }
 };
 
 // Beyond what the changes of the other thermometers foretell: a room that warms, or in which a door
@@ -197,18 +203,64 @@ bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size)
 // jump makes a column that tells this thermometer from the others, and slow noise takes any such
 // column.
 bool outputs_follow(Dataset& dataset, std::vector<double>& mended, double size, std::size_t row,
-                    double as_read,
-                    const std::function<double(const Dataset&)>& two_ln_likelihood) {
+                    double as_read, const OutputsLikelihood& two_ln_likelihood) {
   const std::vector<double> values = mended;
   bool follow = true;
   for (std::size_t k = 0; follow && k < kPlacebos; ++k) {
     const std::size_t elsewhere = (k + 1) * values.size() / (kPlacebos + 1);
     if (std::max(elsewhere, row) - std::min(elsewhere, row) < 2 * kWindow) continue;
     for (std::size_t i = elsewhere; i < values.size(); ++i) mended[i] = values[i] + size;
-    follow = two_ln_likelihood(dataset) < as_read;
+    follow = two_ln_likelihood(dataset, {}) < as_read;
     mended = values;
   }
   return follow;
+}
+
+// True: the outputs step at this row by something else than the reading foretells. They are then no
+// witness of the jump: what they lose without it is that other step's.
+bool outputs_step_too(const Dataset& dataset, std::size_t outputs, std::size_t row,
+                      const OutputsLikelihood& two_ln_likelihood) {
+  // Without the rows about it: the temperatures that the baseline reads are smoothed there.
+  const auto beyond = [&](std::size_t at) {
+    return two_ln_likelihood(dataset, {at, kWindow, true}) -
+           two_ln_likelihood(dataset, {at, kWindow, false});
+  };
+  const double here = beyond(row);
+  if (here <= lost_by_chance(outputs)) return false;
+  for (std::size_t k = 0; k < kPlacebos; ++k) {
+    const std::size_t elsewhere = (k + 1) * dataset.rows / (kPlacebos + 1);
+    if (std::max(elsewhere, row) - std::min(elsewhere, row) < 2 * kWindow) continue;
+    if (beyond(elsewhere) >= here) return false;
+  }
+  return true;
+}
+
+// The best 2 ln L with a part that follows the reading with a lag: what a body does that a
+// thermometer on its skin is ahead of.
+double best_with_lag(Dataset& dataset, std::vector<double>& values,
+                     const OutputsLikelihood& two_ln_likelihood) {
+  const std::vector<double> as_read = values;
+  const auto at = [&](std::size_t i) {
+    return dataset.time_s.empty() ? static_cast<double>(i) : dataset.time_s[i];
+  };
+  const std::size_t last = values.size() - 1;
+  const double length = at(last) - at(0), step = length / static_cast<double>(last);
+  double best = -INFINITY;
+  for (std::size_t k = 0; k < kLags && length > 0; ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(kLags - 1);
+    const double tau = step * std::pow(length / step, share);
+    double part = kMissing, before = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!std::isfinite(as_read[i])) continue;
+      if (!std::isfinite(part)) part = as_read[i];
+      part += (as_read[i] - part) * (1 - std::exp(-std::max(at(i) - before, 0.0) / tau));
+      before = at(i);
+      values[i] = part;
+    }
+    best = std::max(best, two_ln_likelihood(dataset, {}));
+    values = as_read;
+  }
+  return best;
 }
 
 // True: there are others, and none changes at this row beyond its noise.
@@ -237,15 +289,24 @@ double usual_change(const std::vector<double>& v) {
   return spread_near(changes);
 }
 
-// Of a change as large as that at this row, at any row: of the readings, and beyond what the other
+// Of a change as large as that at this row, there: of the readings, and beyond what the other
 // thermometers foretell.
-double chance_jumped(const std::vector<double>& v, std::size_t row, double resolution) {
+double chance_at_row(const std::vector<double>& v, std::size_t row, double resolution) {
   std::vector<double> others;
   for (std::size_t i = 1; i < v.size(); ++i)
     if (std::isfinite(v[i]) && std::isfinite(v[i - 1]) && i != row)
       others.push_back(own_change(v, i));
-  const StudentLaw law = student_law(others, resolution);
-  return chance_of_as_many(law.beyond(own_change(v, row)), 1, v.size());
+  return student_law(others, resolution).beyond(own_change(v, row));
+}
+
+// Of a knock of the robot at this row that an ordinary change of a thermometer imitates. The steps
+// of the outputs are a point at a distance of sqrt(free) from none, in standard errors; the change
+// times the thermometer's coefficients is a point that lies anywhere within that distance, and has
+// come as near to it as sqrt(free - gain): chance (near / far)^outputs.
+double chance_of_knock(double p_at_row, double free, double gain, std::size_t outputs) {
+  const auto count = static_cast<double>(outputs);
+  const double near = std::max(free - gain, count);
+  return p_at_row * std::min(1.0, std::pow(near / std::max(free, near), count / 2));
 }
 
 // beyond: of beyond_the_others().
@@ -261,24 +322,45 @@ void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset
   const double resolution = resolution_of(v);
   sensor.usual = std::max(usual_change(v), resolution);
   const double step_s = median(steps);
-  const double least =
-      std::max(kFarOffSensor * std::max(usual_change(beyond), resolution), kSmallest_k);
+  const double usual = std::max(usual_change(beyond), resolution);
+  const auto stands_out = [&](std::size_t i, double least) {
+    return std::abs(own_change(beyond, i)) > least && std::abs(own_change(v, i)) > least / 2 &&
+           std::abs(level_change(beyond, i)) > 0.7 * least;
+  };
   for (std::size_t i = kWindow; i + kWindow < v.size(); ++i) {
     if (!time_s.empty() && time_s[i] - time_s[i - 1] > 3 * step_s) continue;  // it had the time
     if (begins(dataset.run, i) || begins(dataset.datum, i)) continue;         // likewise
-    if (std::abs(own_change(beyond, i)) > least && std::abs(own_change(v, i)) > least / 2 &&
-        std::abs(level_change(beyond, i)) > 0.7 * least)
+    if (stands_out(i, std::max(kFarOffSensor * usual, kSmallest_k)))
       sensor.jumps.push_back(i);
+    else if (stands_out(i, kMoves * usual))
+      sensor.suspects.push_back(i);
   }
+  std::ranges::stable_sort(sensor.suspects, std::ranges::greater{},
+                           [&](std::size_t i) { return std::abs(own_change(beyond, i)); });
+  sensor.suspects.resize(std::min(sensor.suspects.size(), kMostSuspects));
+  std::ranges::sort(sensor.suspects);
 }
 
 }  // namespace
 
-double two_ln_likelihood(const Problem& problem) {
+double two_ln_likelihood(const Problem& problem, const FreeLevel& level) {
+  const auto rows = static_cast<std::size_t>(problem.base_columns.rows());
+  const std::size_t from = level.row > level.unread ? level.row - level.unread : 0;
+  const std::size_t unread =
+      level.unread == 0 ? 0 : std::min(level.row + level.unread, rows) - from;
+  const auto base = problem.base_columns.cols(), free = static_cast<Eigen::Index>(unread);
+  Eigen::MatrixXd columns(problem.base_columns.rows(), base + free + (level.is_free ? 1 : 0));
+  columns.leftCols(base) = problem.base_columns;
+  columns.rightCols(columns.cols() - base).setZero();
+  for (Eigen::Index k = 0; k < free; ++k)
+    columns(static_cast<Eigen::Index>(from) + k, base + k) = 1;
+  if (level.is_free)
+    columns.rightCols(1)
+        .bottomRows(columns.rows() - static_cast<Eigen::Index>(level.row))
+        .setOnes();
   double sum = 0;
   for (const auto& output : problem.outputs) {
-    const Eigen::VectorXd left =
-        rows_of(residuals(problem, output, problem.base_columns), problem.learn);
+    const Eigen::VectorXd left = rows_of(residuals(problem, output, columns), problem.learn);
     const Eigen::Index n = left.size();
     if (n < 3) continue;
     // Slow noise is no evidence of a jump: of each row what its neighbour before does not predict.
@@ -289,9 +371,8 @@ double two_ln_likelihood(const Problem& problem) {
   return sum;
 }
 
-std::vector<FaultySensor> mend_sensors(
-    Dataset& dataset, std::size_t outputs, double alpha,
-    const std::function<double(const Dataset&)>& two_ln_likelihood) {
+std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, double alpha,
+                                       const OutputsLikelihood& two_ln_likelihood) {
   std::vector<FaultySensor> found;
   if (dataset.rows < kFewestRows) return found;
   std::vector<Sensor> sensors;
@@ -308,35 +389,37 @@ std::vector<FaultySensor> mend_sensors(
     }
     if (!spiked.empty())
       found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0, true, p_spiked});
-    sensors.push_back({&column, 0, {}});
+    sensors.push_back({&column, 0, {}, {}});
   }
   std::vector<std::vector<double>> beyond;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     beyond.push_back(beyond_the_others(sensors, s));
     find_jumps(sensors[s], beyond[s], dataset);
   }
-  for (std::size_t s = 0; s < sensors.size(); ++s)
-    for (const std::size_t row : sensors[s].jumps) {
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    std::vector<std::size_t> looked_at = sensors[s].jumps;
+    looked_at.insert(looked_at.end(), sensors[s].suspects.begin(), sensors[s].suspects.end());
+    for (const std::size_t row : looked_at) {
+      const bool shown = sensors[s].jumps_at(row);
       std::vector<std::size_t> together;
       for (std::size_t other = 0; other < sensors.size(); ++other)
-        if (std::ranges::find(sensors[other].jumps, row) != sensors[other].jumps.end())
-          together.push_back(other);
+        if (sensors[other].jumps_at(row)) together.push_back(other);
       auto& values = sensors[s].column->values;
-      const double size = level_change(beyond[s], row);
+      double size = level_change(beyond[s], row);
       std::vector<std::size_t> rows;
       for (std::size_t i = row; i < dataset.rows; ++i) rows.push_back(i);
       const auto partner = std::ranges::find_if(together, [&](std::size_t other) {
-        if (other == s) return false;
+        if (other == s || !shown) return false;
         const auto& theirs = sensors[other].column->values;
         const double apart = theirs[row - 1] - values[row - 1];
         return std::abs(level_change(values, row) - apart) < 0.1 * std::abs(apart) &&
                std::abs(level_change(theirs, row) + apart) < 0.1 * std::abs(apart);
       });
+      const double as_read = two_ln_likelihood(dataset, {});
       if (partner != together.end()) {
         auto& theirs = sensors[*partner].column->values;
-        const double as_read = two_ln_likelihood(dataset);
         for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
-        const double gain = two_ln_likelihood(dataset) - as_read;
+        const double gain = two_ln_likelihood(dataset, {}) - as_read;
         if (gain < kEvidence) {
           for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
           continue;
@@ -348,24 +431,42 @@ std::vector<FaultySensor> mend_sensors(
         continue;
       }
       if (together.size() > 1 && 2 * together.size() > sensors.size()) continue;  // the room did
-      if (goes_on_as_ramp(beyond[s], row, size)) continue;
-      const double as_read = two_ln_likelihood(dataset);
+      const bool by_readings_alone = shown && !goes_on_as_ramp(beyond[s], row, size);
       const std::vector<double> as_read_values = values;
-      for (const std::size_t i : rows) values[i] -= size;
-      const double gain = two_ln_likelihood(dataset) - as_read;
-      const bool mended = gain >= kEvidence;
+      double gain = -INFINITY;
+      for (const double one : {size, own_change(as_read_values, row), own_change(beyond[s], row)}) {
+        if (by_readings_alone && gain > -INFINITY) break;
+        for (const std::size_t i : rows) values[i] = as_read_values[i] - one;
+        const double with_it = two_ln_likelihood(dataset, {}) - as_read;
+        if (with_it > gain) gain = with_it, size = one;
+      }
+      values = as_read_values;
+      const double resolution = resolution_of(values);
+      const double at_row = std::max(chance_at_row(as_read_values, row, resolution),
+                                     chance_at_row(beyond[s], row, resolution));
+      bool mended = gain >= kEvidence;
+      if (!mended && !by_readings_alone) continue;
+      const double free = two_ln_likelihood(dataset, {row, 0, true}) - as_read;
+      // The size is known to a usual change: a part of the outputs' step is left for it.
+      const double unsure = std::max(usual_change(beyond[s]), resolution) / size;
+      if (!by_readings_alone &&
+          (free - gain > lost_by_chance(outputs) * (1 + free * unsure * unsure) ||
+           chance_of_knock(at_row, free, gain, outputs) * static_cast<double>(sensors.size()) >
+               alpha))
+        continue;
+      const double slowly = best_with_lag(dataset, values, two_ln_likelihood) - as_read;
+      if (slowly >= kEvidence && slowly >= std::max(gain, free) - kOverLag) continue;
+      for (const std::size_t i : rows) values[i] = as_read_values[i] - size;
       const bool followed = gain < -lost_by_chance(outputs) &&
                             outputs_follow(dataset, values, size, row, as_read, two_ln_likelihood);
-      if (!mended)
-        for (const std::size_t i : rows) values[i] += size;
-      if (followed) continue;
-      const double resolution = resolution_of(sensors[s].column->values);
-      const double by_readings = std::max(chance_jumped(as_read_values, row, resolution),
-                                          chance_jumped(beyond[s], row, resolution));
+      if (!mended) values = as_read_values;
+      if (followed && !outputs_step_too(dataset, outputs, row, two_ln_likelihood)) continue;
+      const double by_readings = chance_of_as_many(at_row, 1, values.size());
       found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size,
                        mended, of_both(by_readings, by_outputs(gain)),
                        mended || stands_alone(sensors, s, row)});
     }
+  }
   for (auto& one : found) {
     one.p = std::min(1.0, one.p * static_cast<double>(sensors.size()));
     one.named = one.named && one.p <= alpha;
