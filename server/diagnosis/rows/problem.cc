@@ -13,7 +13,6 @@
 #include "server/core/try.h"
 #include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/rows/held_out_gain.h"
-#include "server/diagnosis/rows/inverted_baseline.h"
 #include "server/diagnosis/rows/predicted_pose.h"
 #include "server/diagnosis/rows/rows_needed.h"
 #include "server/effects/term_order.h"
@@ -186,14 +185,10 @@ bool reads(const std::vector<effects::Term>& terms, const std::string& symbol) {
 
 // Of the two readings of a position, motor and pose, one has the noise. Where the pose repeats
 // itself exactly and the motors do not, it is the motors': their path is what the baseline predicts
-// from the pose. Everywhere else the pose is what the motors predict: by a polynomial of them, or
-// by the baseline's own formula where that follows the pose better. True: a pose coordinate is a
-// prediction from here on.
-Result<bool> predict_coordinates(Problem& problem) {
+// from the pose. Everywhere else the pose is what the motors predict.
+// True: a pose coordinate is a prediction from here on.
+bool predict_coordinates(Problem& problem) {
   constexpr double kKnown = 0.02;  // of the path's spread left
-  // Of the mean square that the polynomial leaves. Both are fits with some tens of coefficients to
-  // some hundreds of rows, and where both hold they differ by less than that.
-  constexpr double kFollowsBetter = 0.5;
   const Dataset& data = problem.data();
   bool motors_repeat = true, pose_repeats = false;
   for (const auto& column : data.columns) {
@@ -204,17 +199,11 @@ Result<bool> predict_coordinates(Problem& problem) {
   }
   if (motors_repeat || !pose_repeats) {
     bool any = false;
-    DRIFTWISE_TRY(const auto inverted, inverted_baseline(problem));
     for (const auto& column : data.columns) {
       const std::string& symbol = column.channel.symbol;
       if (!is_coordinate(problem, column.channel)) continue;
-      auto predicted = predicted_coordinate(data, symbol);
+      const auto predicted = predicted_coordinate(data, symbol);
       if (!predicted) continue;
-      if (const auto other = inverted.find(symbol);
-          other != inverted.end() &&
-          mean_square_left(problem, symbol, other->second) <
-              kFollowsBetter * mean_square_left(problem, symbol, *predicted))
-        predicted = other->second;
       problem.prepared.set_coordinate(symbol, *predicted);
       any = true;
     }
@@ -356,8 +345,7 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
   DRIFTWISE_RETURN_IF_ERROR(divide_rows(dataset, judging, problem));
   DRIFTWISE_RETURN_IF_ERROR(check_variation(problem));
   leave_out_undetermined(problem, always);
-  DRIFTWISE_TRY(const bool predicted, predict_coordinates(problem));
-  if (predicted) DRIFTWISE_RETURN_IF_ERROR(lay_on_prediction(problem));
+  if (predict_coordinates(problem)) DRIFTWISE_RETURN_IF_ERROR(lay_on_prediction(problem));
   problem.lay_blocks(longest);
   return problem;
 }
