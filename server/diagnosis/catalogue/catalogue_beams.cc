@@ -43,20 +43,22 @@ struct Waves {
   double shortest_free = 0, shortest = 0;
 };
 
-// Any period, uniform in 1/period with step 1/(2 range), from two periods over the range to half
-// as many as there are different places, for more of them look alike there; and around each known
-// period that the places resolve.
+// Any period, uniform in 1/period with wave_step(), from two periods over the range to half as many
+// as there are different places, for more of them look alike there; and around each known period
+// that the places resolve.
 Waves waves_of(double range, std::span<const double> periods, std::size_t places) {
   std::map<double, double> by_frequency;  // weight
   std::vector<double> free;
-  for (std::size_t k = 4; k <= std::min(places, kMostPlaces); ++k)
-    free.push_back(static_cast<double>(k) / (2 * range));
+  const std::size_t turns = std::min(places, kMostPlaces);  // half turns over the range
+  const double step = wave_step(range, turns);
+  const double last = static_cast<double>(turns) / (2 * range);
+  for (double k = std::round(2 / range / step); k * step <= last * (1 + 1e-9); ++k)
+    free.push_back(k * step);
   std::set<double> known;
   for (const double period : periods)
     for (const int part : kParts)
       if (period / part < range / 2) known.insert(part / period);
   for (const double frequency : known) {
-    const double step = 1 / (2 * range);
     const int beside =
         std::min(kMostOfOne, static_cast<int>(std::ceil(kTolerance * frequency / step)));
     const double apart = beside > 0 ? kTolerance * frequency / beside : 0;

@@ -24,6 +24,11 @@ bool is_activity(const Channel& channel) {
 
 }  // namespace
 
+double wave_step(double range, std::size_t half_turns) {
+  constexpr std::size_t kMostFine = 2000;  // half turns: memory and time of the scan's columns
+  return 1 / ((half_turns <= kMostFine ? 4 : 2) * range);
+}
+
 std::vector<double> log_grid(double low, double high) {
   std::vector<double> values;
   if (!(high > low) || !(low > 0)) return values;

@@ -51,6 +51,11 @@ class CatalogueBuilder {
   Catalogue catalogue_;
 };
 
+// Step in 1/period of a grid of waves over a range, of so many half turns at most. A wave half a
+// step off its cell keeps sinc^2(range x step / 2) of its evidence: 95 % with a quarter of a turn
+// over the range, 81 % with half of one. The latter where the finer grid would be too large.
+double wave_step(double range, std::size_t half_turns);
+
 // low to high, at least two values; empty where there is no room.
 std::vector<double> log_grid(double low, double high);
 

@@ -1,6 +1,7 @@
 // What has no other witness than the clock: drift, a jump, something periodic.
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/core/data/reading.h"
 #include "server/diagnosis/catalogue/catalogue_builder.h"
@@ -13,7 +14,7 @@ using effects::AppliesTo;
 using effects::Term;
 
 constexpr std::size_t kFewestBesideStep = 4, kMostInstants = 800;
-constexpr int kMostPeriodsInTime = 4000;
+constexpr double kMostPeriodsInTime = 4000;  // half turns over the data
 
 }  // namespace
 
@@ -67,8 +68,12 @@ void add_time(CatalogueBuilder& builder) {
              .parameter = "period_s",
              .scale = ParameterScale::inverse};
   std::vector<double> periods;
-  for (int k = 4; k < builder.length_s() / builder.step_s() && k <= kMostPeriodsInTime; ++k)
-    periods.push_back(2 * builder.length_s() / k);
+  const double length_s = builder.length_s();
+  const double turns = std::min(std::ceil(length_s / builder.step_s()) - 1, kMostPeriodsInTime);
+  const double apart = wave_step(length_s, static_cast<std::size_t>(std::max(turns, 0.0)));
+  const double last = turns / (2 * length_s) * (1 + 1e-9);
+  for (double k = std::round(2 / length_s / apart); k * apart <= last; ++k)
+    periods.push_back(1 / (k * apart));
   builder.add_values(wave, periods, [](double period) {
     return std::vector<Term>{call_term("sin_t", {}, {{period, "s"}}),
                              call_term("cos_t", {}, {{period, "s"}})};
