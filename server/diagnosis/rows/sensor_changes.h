@@ -1,0 +1,60 @@
+#pragma once
+// Changes of thermometers from row to row, beyond their trend and beyond what the other
+// thermometers foretell. Readings in K, rows of the dataset.
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "server/core/data/dataset.h"
+
+namespace driftwise::diagnosis {
+
+inline constexpr double kFarOffSensor = 12;  // usual changes: a jump that the readings alone show
+inline constexpr double kSmallest_k = 0.02;  // no smaller one is shown by the readings alone
+inline constexpr double kMoves = 4;          // usual changes: a thermometer that follows an event
+inline constexpr std::size_t kWindow = 6;    // rows of a level
+
+// A structure thermometer of the dataset.
+struct Sensor {
+  DatasetColumn* column = nullptr;
+  double usual = 0;  // size of own_change() from row to row
+  // Rows, ascending. jumps: so large that the readings alone show one. suspects: all others that
+  // stand out, named on the outputs' evidence only.
+  std::vector<std::size_t> jumps, suspects;
+  bool jumps_at(std::size_t row) const { return std::ranges::find(jumps, row) != jumps.end(); }
+};
+
+// Readings without what the changes of the other thermometers predict: a room that warms, or in
+// which a door is opened, does so at several of them. As read where there are no others or too few
+// rows.
+std::vector<double> beyond_the_others(const std::vector<Sensor>& sensors, std::size_t sensor);
+
+// Smallest step between neighbouring values, K: that of a thermometer that reads in 0.01 K.
+double resolution_of(const std::vector<double>& v);
+
+// Change from the row before, K, beyond the usual change of the rows about it: a room that warms
+// takes all rows along.
+double own_change(const std::vector<double>& v, std::size_t row);
+
+// Level after a row less what the level before it and the trend predict, K: medians of kWindow
+// rows.
+double level_change(const std::vector<double>& v, std::size_t row);
+
+// True: the level a little later differs by a quarter of the change or more. A part that warms goes
+// on warming, or cools again.
+bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size);
+
+// True: there are others, and none changes at this row beyond its noise.
+bool stands_alone(const std::vector<Sensor>& sensors, std::size_t sensor, std::size_t row);
+
+// Standard deviation of own_change() over the rows, tails left out, K.
+double usual_change(const std::vector<double>& v);
+
+// Chance of a change as large as that at this row, there, by Student's law of the other changes.
+double chance_at_row(const std::vector<double>& v, std::size_t row, double resolution);
+
+// Sets jumps, suspects and the usual change. beyond: of beyond_the_others().
+void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset& dataset);
+
+}  // namespace driftwise::diagnosis
