@@ -58,11 +58,12 @@ def powers(degree):
 
 
 def baseline_terms(robot, row):
-    """The values of the terms of ROBOTS[robot]["model"] in a row, the constant first."""
+    """The values of the terms of ROBOTS[robot]["model"] in a row, the constant first. A thermometer that was never read has no column."""
+    temperatures = lambda first: [row[name] for name in ("t%02d_degC" % i for i in range(first, 11)) if name in row]
     if robot == "linear-axis":
-        return [1, row["x_mm"], row["x_mm"] ** 2] + [row["t%02d_degC" % i] for i in range(1, 11)]
+        return [1, row["x_mm"], row["x_mm"] ** 2] + temperatures(1)
     of = lambda e: row["x_mm"] ** e[0] * row["y_mm"] ** e[1] * row["z_mm"] ** e[2]
-    kelvin = [row["t%02d_degC" % i] for i in range(4, 11)]
+    kelvin = temperatures(4)
     return [1] + [of(e) for e in powers(4)] + kelvin + [kelvin[0] * of(e) for e in powers(2)]
 
 
