@@ -23,7 +23,7 @@ double of_both(double a, double b) {
 // readings are right, so that it is as large with a chance of 1 over itself at most.
 double by_outputs(double gain) { return std::exp(-std::max(gain, 0.0) / 2); }
 
-// What a column of no effect takes off 2 ln L by chance in one of a hundred: chi squared with a
+// Loss in 2 ln L by a column of no effect that chance exceeds once in a hundred: chi squared with a
 // degree of freedom for each output (Wilson and Hilferty 1931). The jump in a sensor is such a
 // column; outputs that lose more without it follow what the sensor read.
 double lost_by_chance(std::size_t outputs) {

@@ -1,6 +1,7 @@
 #pragma once
-// What the readings, their course afterwards and the outputs say of one row at which a thermometer
-// changes: a jump of the sensor, an exchange of two, or a part that really warmed.
+// Judgement of one row at which a thermometer changes: a jump of the sensor, an exchange of two, or
+// a part that really warmed. Witnesses: the readings, their course afterwards and the outputs.
+// Readings in K, likelihoods in 2 ln L, rows of the dataset.
 
 #include <optional>
 #include <vector>

@@ -28,7 +28,7 @@ struct FreeLevel {
   std::size_t row = 0, unread = 0;  // unread: rows to either side that say nothing
   bool is_free = false;             // false: no level, but the same rows are unread
 };
-// How well the baseline describes the outputs with these readings: two_ln_likelihood().
+// 2 ln L of the outputs by the baseline with these readings, up to a constant.
 using OutputsLikelihood = std::function<double(const Dataset& dataset, const FreeLevel& level)>;
 
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
