@@ -31,9 +31,8 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kWorthTelling = 0.2;   // adjusted p of what is not named
-constexpr double kOmnibusLevel = 0.01;  // of "something is left" where nothing is
-constexpr double kShareLeft = 0.35;     // of what a finding is named for
+constexpr double kWorthTelling = 0.2;  // adjusted p of what is not named
+constexpr double kShareLeft = 0.35;    // of what a finding is named for
 
 // How far it is: each look for one more cause takes a part of what is left of the way.
 class Progress {
@@ -265,7 +264,8 @@ class Diagnoser {
   }
 
   OmnibusOptions omnibus_options() {
-    return {kOmnibusLevel, options_.nulls, options_.seed + 2, [this] { return progress_.tick(); }};
+    return {kOmnibusLevel, std::max(options_.nulls, kOmnibusNulls), options_.seed + 2,
+            [this] { return progress_.tick(); }};
   }
 
   void conclude(const Extension& extension) {

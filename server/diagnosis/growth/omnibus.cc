@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kClip = 3.5;
 constexpr std::array kNullsBy = {24, 49, 99};  // after so many the test may end
-constexpr int kClearlyNoise = 4;               // of them as large as the data
 constexpr double kPower = 0.8416;              // normal quantile of 80 %
 constexpr double kShortTau = 3;  // of the grid's shortest: no slow effect looks like it
 constexpr Eigen::Index kMostFieldColumns = 128;
@@ -46,7 +45,7 @@ Eigen::MatrixXf Omnibus::white(const SoftBase& base, Eigen::Index output, const 
 Eigen::MatrixXd Omnibus::forms(const Eigen::MatrixXf& left) const {
   const Eigen::Index series = left.cols(), n = left.rows();
   const auto bands = static_cast<Eigen::Index>(bands_.size());
-  const auto families = static_cast<Eigen::Index>(groups_.size()) * bands + kLags + 1;
+  const Eigen::Index families = quadratic() + kLags + 1;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(families, series);
   Eigen::MatrixXf turned(n, series), along(time_waves_.cols(), series);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -73,7 +72,13 @@ Eigen::MatrixXd Omnibus::forms(const Eigen::MatrixXf& left) const {
       take();
     }
   }
-  const Eigen::Index last = static_cast<Eigen::Index>(groups_.size()) * bands;
+  const Eigen::Index last = quadratic(), first_line = last - line_waves_.cols();
+  if (line_waves_.cols() > 0)
+    for (const auto& [first, count] : lines_) {
+      along.noalias() =
+          line_waves_.middleRows(first, count).transpose() * left.middleRows(first, count);
+      result.middleRows(first_line, line_waves_.cols()) += along.cwiseAbs2().cast<double>();
+    }
   for (Eigen::Index lag = 1; lag <= kLags; ++lag)
     result.row(last + lag - 1) =
         left.topRows(n - lag).cwiseProduct(left.bottomRows(n - lag)).colwise().sum().cast<double>();
@@ -154,7 +159,7 @@ Eigen::VectorXd joined(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 
 // values: families x series.
 Omnibus::Standardised Omnibus::standardise(Eigen::MatrixXd values) const {
-  const auto quadratic = static_cast<Eigen::Index>(groups_.size() * bands_.size());
+  const Eigen::Index quadratic = this->quadratic();
   Standardised result;
   values.topRows(quadratic) = values.topRows(quadratic).array().max(0.0).pow(1.0 / 3);
   result.mean = values.rowwise().mean();
@@ -261,11 +266,12 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
     const auto as_large = (most.tail(result.nulls) >= most[0]).count();
     result.p = static_cast<double>(1 + as_large) / static_cast<double>(count);
     const Eigen::ArrayXd nulls = most.tail(result.nulls);
-    const double gumbel =  // of 99 %
-        nulls.mean() + 3.14 * std::sqrt((nulls - nulls.mean()).square().mean());
+    const double gumbel =  // of 99.5 %
+        nulls.mean() + 3.68 * std::sqrt((nulls - nulls.mean()).square().mean());
     const Eigen::ArrayXd about = largest.array() - largest.mean();
     limit_ = largest.mean() + gumbel * std::sqrt(about.square().mean());
-    if (as_large >= kClearlyNoise) break;
+    // The level is missed, whatever the rest are; one more, for the units move with the series.
+    if (static_cast<double>(as_large) > options.level * (options.nulls + 1)) break;
   }
   if (result.p > options.level) {
     result.smallest = smallest(base);
@@ -286,7 +292,7 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
 }
 
 double Omnibus::share_left(const SoftBase& with, const SoftBase& without) const {
-  const auto quadratic = static_cast<Eigen::Index>(groups_.size() * bands_.size());
+  const Eigen::Index quadratic = this->quadratic();
   double most = 0, share = 0;
   for (Eigen::Index o = 0; o < series_.cols(); ++o) {
     const auto at = static_cast<std::size_t>(o);
@@ -317,7 +323,12 @@ std::string Omnibus::of_output(Eigen::Index output) const {
 
 std::string Omnibus::words(std::size_t family, Eigen::Index output,
                            const Eigen::VectorXf& left) const {
-  const std::size_t quadratic = groups_.size() * bands_.size();
+  const std::size_t of_groups = groups_.size() * bands_.size(),
+                    quadratic = static_cast<std::size_t>(this->quadratic());
+  if (family >= of_groups && family < quadratic)
+    return (family == of_groups ? "the lines of the plan, each by itself"
+                                : "the beginning of the lines, each by itself") +
+           of_output(output);
   if (family >= quadratic)
     return (family == quadratic + kLags ? "neighbouring places" : "neighbouring rows") +
            std::string(", which resemble or oppose each other more than noise does") +
@@ -407,7 +418,7 @@ std::vector<SmallestSeen> Omnibus::smallest(const SoftBase& base) const {
   const Eigen::VectorXd bump = (-0.5 * ((u.array() - 0.4) / 0.08).square()).exp();
   const Eigen::VectorXd slow = (5 * kPi * t.array() + 0.6).sin();
   const Eigen::VectorXd joint = (8 * kPi * t.array()).sin() * (5 * kPi * u.array()).cos().sign();
-  const auto quadratic = static_cast<Eigen::Index>(groups_.size() * bands_.size());
+  const Eigen::Index quadratic = this->quadratic();
   std::vector<SmallestSeen> result;
   const std::pair<const char*, const Eigen::VectorXd*> shapes[] = {
       {"a bump over a sixth of the first axis", &bump},

@@ -4,7 +4,8 @@
 // coordinate, of pairs and triples of them, of the temperatures, force and air, the direction of
 // approach, and the places one by one; each is multiplied by waves in the order of the rows, band
 // by band. Correlations of neighbouring rows, in time and at neighbouring places, are asked
-// two-sided.
+// two-sided. The lines of the plan are asked each by itself, as a whole and for what is only at
+// their beginning: a robot that rests between lines, or is zeroed there, begins each one afresh.
 //
 // Narrow families (the groups, an axis' slow waves alone, a direction alone, an axis with its
 // places in the rows before) are asked as random fields too (random_field.h): the noise may be
@@ -47,9 +48,15 @@ struct OmnibusResult {
   std::vector<SmallestSeen> smallest;  // only where nothing is left
 };
 
+// Level: half of 1 %, for the held-out rows' means and single variables are asked too, and all
+// tests of what is left together are to alarm in 1 % of noise. As many series as it takes to reach
+// it.
+inline constexpr double kOmnibusLevel = 0.005;
+inline constexpr int kOmnibusNulls = 199;
+
 struct OmnibusOptions {
-  double level = 0.01;
-  int nulls = 199;
+  double level = kOmnibusLevel;
+  int nulls = kOmnibusNulls;
   std::uint64_t seed = 1;
   std::function<bool()> tick;  // false: stop
 };
@@ -79,8 +86,12 @@ class Omnibus {
     Eigen::Index first = 0, count = 0;
     const char* words = "";
   };
-  // Forms of every family for every series: families x series, families in the order group by band,
-  // then the correlations.
+  // Families that are quadratic forms: group by band, then those of the lines.
+  Eigen::Index quadratic() const {
+    return static_cast<Eigen::Index>(groups_.size() * bands_.size()) + line_waves_.cols();
+  }
+  // Forms of every family for every series: families x series, first the quadratic ones, then the
+  // correlations.
   Eigen::MatrixXd forms(const Eigen::MatrixXf& left) const;
   struct Where {
     std::size_t field = 0, band = 0;
@@ -111,6 +122,7 @@ class Omnibus {
                     const Eigen::VectorXf& left) const;
   std::vector<SmallestSeen> smallest(const SoftBase& base) const;
   void add_groups(const std::vector<std::string>& excluded);
+  void add_lines();
 
   static constexpr Eigen::Index kLags = 3;  // of rows that resemble one another
 
@@ -122,8 +134,10 @@ class Omnibus {
   Eigen::MatrixXf time_waves_;
   std::vector<std::size_t> place_of_;
   std::size_t place_count_ = 0;
-  std::vector<Eigen::Index> by_place_;  // rows, place after place
-  std::vector<NoiseShape> noise_;       // of the last test, per output
+  std::vector<Eigen::Index> by_place_;                        // rows, place after place
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> lines_;  // first row and number of rows
+  Eigen::MatrixXf line_waves_;                                // rows x k; no columns: no lines
+  std::vector<NoiseShape> noise_;                             // of the last test, per output
   std::vector<double> white_sd_;
   std::vector<Eigen::VectorXd> mean_, sd_;  // of the cube roots of the forms, per output
   double limit_ = 0;                        // standardised, at the level

@@ -51,6 +51,35 @@ Omnibus::Omnibus(const Problem& problem, const Eigen::MatrixXd& series,
     bands_.push_back({first, count, first < 3 ? "slowly with time" : "with time"});
   }
   add_groups(excluded);
+  add_lines();
+}
+
+// As the plan numbers them. Level, first row, and a decay over three rows.
+void Omnibus::add_lines() {
+  constexpr std::size_t kFewestLines = 4, kFewestRows = 3;
+  const auto& line = problem_.prepared.conditions().line;
+  const Eigen::Index n = problem_.timeline.rows();
+  if (line.empty() || problem_.rows_per_block > 1) return;
+  const Eigen::VectorXd number =
+      problem_.learned(Eigen::Map<const Eigen::Array<std::int64_t, Eigen::Dynamic, 1>>(
+                           line.data(), static_cast<Eigen::Index>(line.size()))
+                           .cast<double>()
+                           .matrix());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (problem_.timeline.restart[static_cast<std::size_t>(i)] != 0 || number[i] != number[i - 1])
+      lines_.emplace_back(i, 0);
+    ++lines_.back().second;
+  }
+  if (lines_.size() < kFewestLines || static_cast<std::size_t>(n) < kFewestRows * lines_.size()) {
+    lines_.clear();
+    return;
+  }
+  line_waves_ = Eigen::MatrixXf::Ones(n, 3);
+  for (const auto& [first, count] : lines_)
+    for (Eigen::Index i = 0; i < count; ++i) {
+      line_waves_(first + i, 1) = i == 0 ? 1 : 0;
+      line_waves_(first + i, 2) = std::exp(-static_cast<float>(i) / 3);
+    }
 }
 
 void Omnibus::add_groups(const std::vector<std::string>& excluded) {
