@@ -20,6 +20,7 @@
 #include "server/diagnosis/report/as_read.h"
 #include "server/diagnosis/report/division.h"
 #include "server/diagnosis/report/heading.h"
+#include "server/diagnosis/report/loose_terms.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/catalogue_units.h"
@@ -291,6 +292,7 @@ class Diagnoser {
       result_.warnings.push_back(sentence(division));
     for (auto& said : thermal_causes_of_instruments(problem_, causes_, extension))
       result_.warnings.push_back(std::move(said));
+    if (const auto loose = loose_terms(problem_)) result_.warnings.push_back(sentence(*loose));
     for (auto& said : worse_as_read(problem_, readings_))
       result_.warnings.push_back(std::move(said));
     result_.judged_on = problem_.judged_by_validation ? JudgedRows::validation : JudgedRows::blocks;
