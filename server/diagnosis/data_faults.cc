@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/diagnosis/growth/omnibus.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
@@ -73,6 +74,22 @@ bool DataFaults::note_gross_errors(const Ground& ground) {
   return true;
 }
 
+bool DataFaults::is_structure(const std::vector<NoiseChange>& changes,
+                              const SoftBase& simulation) const {
+  double largest = 0, together = 0;
+  for (const auto& change : changes) {
+    largest = std::max(largest, change.gain);
+    together += change.gain;
+  }
+  Eigen::MatrixXd series(problem_.timeline.rows(),
+                         static_cast<Eigen::Index>(problem_.outputs.size()));
+  for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
+    series.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
+  const auto field =
+      Omnibus(problem_, series, options_.exclude_symbols).likeliest_field(simulation);
+  return field.of_one > largest || field.of_all > together;
+}
+
 bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes) {
   bool any = note_gross_errors(extension.ground({}, shapes));
   // A spread that goes with the place and one that changes at an instant imitate one another: the
@@ -88,7 +105,7 @@ bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseS
   for (const auto& change : changes) at_an_instant += change.gain;
   const bool place_first = weighed_by_place(at_an_instant);
   if (place_first) changes = noise_changes(extension.ground({}, shapes));
-  if (!changes.empty()) {
+  if (!changes.empty() && !is_structure(changes, extension.learned())) {
     note_changes(changes);
     any = true;
   }

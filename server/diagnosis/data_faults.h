@@ -46,6 +46,9 @@ class DataFaults {
   std::vector<std::size_t> note_outliers(const std::vector<OutlierRow>& outliers);
   // Rows that the search has stay in it, with no weight; no figure is judged on them.
   bool note_gross_errors(const Ground& ground);
+  // A smooth field of place, time and conditions explains more than the changes of spread do: a
+  // load that comes with the second grid and is not in the simulation is no noise.
+  bool is_structure(const std::vector<NoiseChange>& changes, const SoftBase& simulation) const;
   void note_changes(const std::vector<NoiseChange>& changes);  // one at least
   void weigh_rows(const Spread& spread, const std::string& goes_with);
 

@@ -183,11 +183,25 @@ class Diagnoser {
     return {};
   }
 
+  // Of motors and pose, where measured: rows that learn x k.
+  Eigen::MatrixXd coordinates() const {
+    std::vector<Eigen::VectorXd> found;
+    for (const auto& [channel, values] : problem_.prepared.conditions().columns)
+      if ((is_motor_symbol(channel.symbol) || is_pose_symbol(channel.symbol)) &&
+          is_length(channel.unit))
+        found.push_back(problem_.learned(Eigen::Map<const Eigen::VectorXd>(
+            values.data(), static_cast<Eigen::Index>(values.size()))));
+    Eigen::MatrixXd result(problem_.timeline.rows(), static_cast<Eigen::Index>(found.size()));
+    for (std::size_t k = 0; k < found.size(); ++k)
+      result.col(static_cast<Eigen::Index>(k)) = found[k];
+    return result;
+  }
+
   // Two sides that describe the readings better than the best cause does. Averages of rows have
   // none; nor are they looked for twice.
   std::optional<TwoSides> sides_beyond(const Look& look, const Extension& extension) const {
     if (problem_.rows_per_block > 1 || problem_.outputs.front().freed_of.size() > 0) return {};
-    auto sides = two_sides(problem_.timeline, extension.learned(), series_);
+    auto sides = two_sides(problem_.timeline, extension.learned(), series_, coordinates());
     const double best = look.first ? look.causes[*look.first].evidence : 0;
     const double by_chance = 2 * std::log(static_cast<double>(series_.cols()) / options_.alpha);
     if (!sides || sides->gain < by_chance || sides->evidence < best) return std::nullopt;

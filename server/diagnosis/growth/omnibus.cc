@@ -291,6 +291,15 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
   return result;
 }
 
+Omnibus::FieldGain Omnibus::likeliest_field(const SoftBase& base) const {
+  const Ground ground(problem_.timeline, noise_grid(problem_.timeline), base, series_);
+  const RandomField field(problem_.timeline, shapes_with_a_field(ground), base, kClip);
+  std::vector<Eigen::MatrixXd> series;
+  for (Eigen::Index o = 0; o < series_.cols(); ++o) series.emplace_back(series_.col(o));
+  const auto most = grown(field, series, {});
+  return {most->of_one[0] * most->of_one[0], most->of_all[0] * most->of_all[0]};
+}
+
 double Omnibus::share_left(const SoftBase& with, const SoftBase& without) const {
   const Eigen::Index quadratic = this->quadratic();
   double most = 0, share = 0;

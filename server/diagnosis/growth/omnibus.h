@@ -72,6 +72,11 @@ class Omnibus {
 
   // Nothing: stopped.
   std::optional<OmnibusResult> test(const SoftBase& base, const OmnibusOptions& options);
+  // Growth of 2 ln L by the likeliest field: of one output, and of all together.
+  struct FieldGain {
+    double of_one = 0, of_all = 0;
+  };
+  FieldGain likeliest_field(const SoftBase& base) const;
   // Of the form that a finding takes most of (without: the base without it): the share that is left
   // with it in. After a test.
   double share_left(const SoftBase& with, const SoftBase& without) const;

@@ -14,7 +14,9 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr int kRounds = 60;           // of sides and sizes in turn; a dozen is usual
+constexpr int kRounds = 60;  // of sides and sizes in turn; a dozen is usual
+// Changes of side along a coordinate, of those that chance makes: one row in 70 strays.
+constexpr double kChangesOfAPlace = 0.06;
 constexpr double kFewestShare = 0.1;  // of the rows, on either side
 constexpr Eigen::Index kParts = 16;
 constexpr std::size_t kSplitsTried = 32;
@@ -140,10 +142,27 @@ class Sides {
   Eigen::VectorXd side_, half_, along_;
 };
 
+// In the order of a coordinate the side hardly ever changes: something at those places, no side.
+bool goes_with_the_place(const Eigen::VectorXd& side, const Eigen::MatrixXd& coordinates) {
+  const double mean = side.mean();
+  const double by_chance = (1 - mean * mean) / 2 * static_cast<double>(side.size() - 1);
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(side.size()));
+  for (const auto& coordinate : coordinates.colwise()) {
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::ranges::stable_sort(order, {}, [&](Eigen::Index i) { return coordinate[i]; });
+    double changes = 0;
+    for (std::size_t k = 1; k < order.size(); ++k)
+      changes += side[order[k]] != side[order[k - 1]] ? 1 : 0;
+    if (changes < kChangesOfAPlace * by_chance) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<TwoSides> two_sides(const Timeline& timeline, const SoftBase& simulation,
-                                  const Eigen::MatrixXd& series) {
+                                  const Eigen::MatrixXd& series,
+                                  const Eigen::MatrixXd& coordinates) {
   const SoftBase base = independent_base(simulation);
   Sides sides(timeline, base, series);
   const Eigen::MatrixXd guesses = sides.guesses(base);
@@ -153,7 +172,7 @@ std::optional<TwoSides> two_sides(const Timeline& timeline, const SoftBase& simu
       continue;
     best = TwoSides{sides.side(), sides.half(), sides.along(), sides.apart(), 0, 0};
   }
-  if (!best) return best;
+  if (!best || goes_with_the_place(best->side, coordinates)) return {};
   // The outputs' common part, then each output.
   Eigen::MatrixXd before(series.rows(), series.cols() + 1), after;
   before << series * best->along, series;

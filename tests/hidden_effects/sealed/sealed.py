@@ -35,8 +35,9 @@ ONCE = ("step_change", "periodic_disturbance", "instrument_drift")
 ROBOTS = {
     "linear-axis": {"plan": ["generate", "--axis", "q1_mm=-3.9:3.9:18", "--both-directions", "--repeat", "14", "--validation"],
                     "dwell_s": 22, "model": "q ~ x + x^2 + T", "speed": 400},
-    "micro-nano": {"plan": ["generate", "--axis", "q1_mm=0:2.5:4", "--axis", "q2_mm=0:2.5:4", "--axis", "q3_mm=0:2.5:4", "--both-directions",
-                            "--repeat", "4", "--validation"],
+    # Five levels, for the model is of the fourth degree.
+    "micro-nano": {"plan": ["generate", "--axis", "q1_mm=0:2.5:5", "--axis", "q2_mm=0:2.5:5", "--axis", "q3_mm=0:2.5:5", "--both-directions",
+                            "--repeat", "2", "--validation"],
                    "dwell_s": 20, "model": "q ~ poly(x, y, z, 4) + t04..t10 + t04:poly(x, y, z, 2)", "speed": 200},
 }
 

@@ -118,7 +118,6 @@ TEST(ATouchingInstrument, IsNotPromisedToBeBetterOnRowsWhoseSideNothingTells) {
   EXPECT_EQ(found.extended_formula, found.baseline_formula);
 }
 
-// Heights one after the other, most from below: the polynomial in z takes up a part of the sides.
 // Heights one after the other, those below zero from above and the others from below, but for one
 // in eleven: the polynomial in z takes up a part of the sides.
 TEST(ATouchingInstrument, WhoseSideGoesMostlyWithAVariableOfTheSimulationIsNamed) {
@@ -148,8 +147,8 @@ TEST(ATouchingInstrument, WhoseSideTheMotorsWayTellsHasPlay) {
 }
 
 // Of one series about nothing but a constant.
-std::optional<TwoSides> sides_of(
-    const std::function<double(std::mt19937_64&, std::size_t)>& value) {
+std::optional<TwoSides> sides_of(const std::function<double(std::mt19937_64&, std::size_t)>& value,
+                                 const Eigen::MatrixXd& coordinates = {}) {
   std::mt19937_64 random(11);
   constexpr Eigen::Index kLong = 400;
   Timeline timeline{Eigen::VectorXd::LinSpaced(kLong, 0, 1e4), std::vector<char>(kLong, 0), {}};
@@ -157,7 +156,7 @@ std::optional<TwoSides> sides_of(
   Eigen::MatrixXd series(kLong, 1);
   for (Eigen::Index i = 0; i < kLong; ++i)
     series(i, 0) = value(random, static_cast<std::size_t>(i));
-  return two_sides(timeline, SoftBase(Eigen::MatrixXd::Ones(kLong, 1)), series);
+  return two_sides(timeline, SoftBase(Eigen::MatrixXd::Ones(kLong, 1)), series, coordinates);
 }
 
 TEST(TwoSides, AreFoundWithTheirDistance) {
@@ -168,6 +167,27 @@ TEST(TwoSides, AreFoundWithTheirDistance) {
   ASSERT_TRUE(found);
   EXPECT_NEAR(2 * std::abs(found->half[0]), 8, 0.3);
   EXPECT_NEAR(found->apart, 8, 0.5);
+}
+
+// A guide with a particle on it: twelve places in turn, the third and the fourth are lifted.
+TEST(TwoSides, ThatThePlaceTellsAreABumpOnTheGuide) {
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd place(400);
+  for (Eigen::Index i = 0; i < place.size(); ++i) place[i] = static_cast<double>(i % 12);
+  const auto lifted = [](std::size_t i) { return i % 12 == 2 || i % 12 == 3; };
+  const auto value = [&](auto& random, auto i) { return (lifted(i) ? 8.0 : 0.0) + normal(random); };
+  EXPECT_TRUE(sides_of(value));
+  EXPECT_FALSE(sides_of(value, place));
+}
+
+TEST(TwoSides, ThatThePlaceTellsOnlyMostlyAreSides) {
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd place(400);
+  for (Eigen::Index i = 0; i < place.size(); ++i) place[i] = static_cast<double>(i % 12);
+  const auto value = [&](auto& random, auto i) {
+    return ((i % 12 < 4) != (i % 25 == 0) ? 8.0 : 0.0) + normal(random);  // one in 25 strays
+  };
+  EXPECT_TRUE(sides_of(value, place));
 }
 
 TEST(TwoSides, AreNotSeenInNormalStudentEvenOrSinusoidalValues) {
