@@ -16,9 +16,13 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kClip = 3.5;
-constexpr std::array kNullsBy = {24, 49, 99};  // after so many the test may end
-constexpr double kPower = 0.8416;              // normal quantile of 80 %
-constexpr double kShortTau = 3;  // of the grid's shortest: no slow effect looks like it
+// After so many series the test may end: more than so many of them are as large as the data.
+struct Stage {
+  int nulls, most;
+};
+constexpr std::array<Stage, 4> kStages = {{{24, 1}, {49, 1}, {99, 2}, {199, 3}}};
+constexpr double kPower = 0.8416;  // normal quantile of 80 %
+constexpr double kShortTau = 3;    // of the grid's shortest: no slow effect looks like it
 constexpr Eigen::Index kMostFieldColumns = 128;
 
 }  // namespace
@@ -201,7 +205,8 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
   Statistic strongest = form;
   std::size_t family = 0, family_of_all = 0;
   Eigen::Index output = 0, output_of_all = 0;
-  for (const int upto : {kNullsBy[0], kNullsBy[1], kNullsBy[2], options.nulls}) {
+  for (std::size_t stage = 0; stage <= kStages.size(); ++stage) {
+    const int upto = stage < kStages.size() ? kStages[stage].nulls : options.nulls;
     const int more = std::min(upto, options.nulls) - result.nulls;
     if (more <= 0) continue;
     const bool with_data = result.nulls == 0;
@@ -270,8 +275,8 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
         nulls.mean() + 3.68 * std::sqrt((nulls - nulls.mean()).square().mean());
     const Eigen::ArrayXd about = largest.array() - largest.mean();
     limit_ = largest.mean() + gumbel * std::sqrt(about.square().mean());
-    // The level is missed, whatever the rest are; one more, for the units move with the series.
-    if (static_cast<double>(as_large) > options.level * (options.nulls + 1)) break;
+    if (stage < kStages.size() && as_large > kStages[stage].most) break;
+    if (result.p <= options.level) break;
   }
   if (result.p > options.level) {
     result.smallest = smallest(base);
