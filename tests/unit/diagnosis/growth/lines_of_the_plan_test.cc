@@ -1,5 +1,5 @@
-// What is at the beginning of each line of the plan, another size and sign in every line: its mean
-// over the lines is nothing, no smooth wave of place or time follows it, and no cause has it.
+// Errors at the beginning of each line of the plan, of another size and sign in every line: their
+// mean is nothing, no smooth wave of place or time follows them, and no cause has them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
