@@ -31,20 +31,7 @@ DeltaCubePlant::DeltaCubePlant(DeltaCubeParameters parameters, std::uint64_t see
 }
 
 const DeltaCubePlant::Instant& DeltaCubePlant::instant(double time_s) const {
-  for (const Instant& known : remembered_) {
-    if (known.time_s == time_s && known.now == now_) return known;
-  }
-  if (remembered_.size() < kRemembered) {
-    remembered_.reserve(kRemembered);
-    next_remembered_ = remembered_.size();
-    remembered_.emplace_back();
-  }
-  Instant& place = remembered_[next_remembered_];
-  next_remembered_ = (next_remembered_ + 1) % kRemembered;
-  place.time_s = time_s;
-  place.now = now_;
-  solve(place);
-  return place;
+  return recent_.at(time_s, now_, [this](Instant& one) { solve(one); });
 }
 
 void DeltaCubePlant::solve(Instant& i) const {

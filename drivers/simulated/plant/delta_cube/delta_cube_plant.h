@@ -9,6 +9,7 @@
 
 #include "drivers/simulated/plant/cell/beam_path.h"
 #include "drivers/simulated/plant/cell/cell_plant.h"
+#include "drivers/simulated/plant/cell/recent_instants.h"
 #include "drivers/simulated/plant/delta_cube/delta_cube_mechanics.h"
 
 namespace driftwise::simulated {
@@ -33,7 +34,7 @@ class DeltaCubePlant final : public CellPlant {
 
  protected:
   Beam beam(int index, double time_s) const override;
-  void before_command() override { remembered_.clear(); }
+  void before_command() override { recent_.forget(); }
 
  private:
   struct Instant {
@@ -55,11 +56,7 @@ class DeltaCubePlant final : public CellPlant {
   Vec3 reference_centre_mm_;
   Rotation reference_turn_;
   std::vector<Random> angle_noise_;
-  // The latest instants solved: several instruments ask for the same ones. Forgotten at every
-  // command.
-  static constexpr std::size_t kRemembered = 32;
-  mutable std::vector<Instant> remembered_;
-  mutable std::size_t next_remembered_ = 0;
+  mutable RecentInstants<Instant> recent_;  // forgotten at every command
 };
 
 }  // namespace driftwise::simulated

@@ -62,7 +62,7 @@ MicroNanoPlant::MicroNanoPlant(MicroNanoParameters parameters, std::uint64_t see
   }
   const double wire_mm = instant(0).wire_mm;
   load_ = LoadRig(parameters_.load, wire_mm);
-  remembered_.clear();
+  recent_.forget();
   zero_at_start();
 }
 
@@ -71,20 +71,7 @@ Vec3 MicroNanoPlant::wire_end_mm(const PlatformPose& pose, const NodeTemperature
 }
 
 const MicroNanoPlant::Instant& MicroNanoPlant::instant(double time_s) const {
-  for (const Instant& known : remembered_) {
-    if (known.time_s == time_s && known.now == now_) return known;
-  }
-  if (remembered_.size() < kRemembered) {
-    remembered_.reserve(kRemembered);
-    next_remembered_ = remembered_.size();
-    remembered_.emplace_back();
-  }
-  Instant& place = remembered_[next_remembered_];
-  next_remembered_ = (next_remembered_ + 1) % kRemembered;
-  place.time_s = time_s;
-  place.now = now_;
-  solve(place);
-  return place;
+  return recent_.at(time_s, now_, [this](Instant& one) { solve(one); });
 }
 
 void MicroNanoPlant::solve(Instant& i) const {
@@ -207,7 +194,7 @@ CellPlant::Beam MicroNanoPlant::beam(int index, double time_s) const {
 void MicroNanoPlant::before_command() {
   const Instant& at = instant(now_s());
   load_.settle(now_s(), at.wire_mm);
-  remembered_.clear();
+  recent_.forget();
 }
 
 // What hangs, and the pan.

@@ -11,6 +11,7 @@
 
 #include "drivers/simulated/plant/cell/beam_path.h"
 #include "drivers/simulated/plant/cell/cell_plant.h"
+#include "drivers/simulated/plant/cell/recent_instants.h"
 #include "drivers/simulated/plant/micro_nano/load_rig.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_mechanics.h"
 
@@ -65,7 +66,7 @@ class MicroNanoPlant : public CellPlant {
   };
   CubePose cube_pose(double time_s) const;
   // After something outside the robot has moved its stages.
-  void forget_instants() { remembered_.clear(); }
+  void forget_instants() { recent_.forget(); }
 
  private:
   struct Instant {
@@ -93,11 +94,7 @@ class MicroNanoPlant : public CellPlant {
   LoadRig load_;
   std::array<CollimatorFault, 2> collimator_faults_{};
   std::vector<Random> angle_noise_;
-  // The latest instants solved: several instruments ask for the same ones. Forgotten at every
-  // command.
-  static constexpr std::size_t kRemembered = 32;
-  mutable std::vector<Instant> remembered_;
-  mutable std::size_t next_remembered_ = 0;
+  mutable RecentInstants<Instant> recent_;  // forgotten at every command
 };
 
 }  // namespace driftwise::simulated
