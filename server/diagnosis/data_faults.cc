@@ -81,10 +81,7 @@ bool DataFaults::is_structure(const std::vector<NoiseChange>& changes,
     largest = std::max(largest, change.gain);
     together += change.gain;
   }
-  Eigen::MatrixXd series(problem_.timeline.rows(),
-                         static_cast<Eigen::Index>(problem_.outputs.size()));
-  for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
-    series.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
+  const Eigen::MatrixXd series = problem_.series();
   const auto field =
       Omnibus(problem_, series, options_.exclude_symbols).likeliest_field(simulation);
   return field.of_one > largest || field.of_all > together;

@@ -14,8 +14,6 @@
 
 namespace driftwise::diagnosis {
 
-inline constexpr double kSmallestP = 1e-300;  // that is printed: 0 would be a rule, not a chance
-
 class DataFaults {
  public:
   // All outlive it. It changes the problem's rows and weights, and adds to the result's findings

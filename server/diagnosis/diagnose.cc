@@ -96,9 +96,7 @@ class Diagnoser {
       const Physics physics(problem_, options_.levers);
       DRIFTWISE_TRY(auto bank,
                     column_bank(problem_, physics, causes_, [this] { return progress_.tick(); }));
-      series_.resize(problem_.timeline.rows(), static_cast<Eigen::Index>(problem_.outputs.size()));
-      for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
-        series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
+      series_ = problem_.series();
       std::optional<TwoSides> sides;
       DRIFTWISE_RETURN_IF_ERROR(search(physics, std::move(bank), sides));
       if (!sides) break;
@@ -183,15 +181,19 @@ class Diagnoser {
     return {};
   }
 
-  // Of motors and pose, where measured: rows that learn x k.
-  Eigen::MatrixXd coordinates() const {
-    std::vector<Eigen::VectorXd> found;
-    for (const auto& [channel, values] : problem_.prepared.conditions().columns)
-      if ((is_motor_symbol(channel.symbol) || is_pose_symbol(channel.symbol)) &&
-          is_length(channel.unit))
-        found.push_back(problem_.learned(Eigen::Map<const Eigen::VectorXd>(
-            values.data(), static_cast<Eigen::Index>(values.size()))));
-    Eigen::MatrixXd result(problem_.timeline.rows(), static_cast<Eigen::Index>(found.size()));
+  // What was read beside the outputs, where no value is missing, and the order of the rows: rows
+  // that learn x k.
+  Eigen::MatrixXd channels() const {
+    const auto outputs = problem_.output_symbols();
+    const Eigen::Index rows = problem_.timeline.rows();
+    std::vector<Eigen::VectorXd> found = {Eigen::VectorXd::LinSpaced(rows, 0, 1)};
+    for (const auto& [channel, values] : problem_.prepared.conditions().columns) {
+      if (is_response(channel, outputs)) continue;
+      const Eigen::VectorXd learned = problem_.learned(Eigen::Map<const Eigen::VectorXd>(
+          values.data(), static_cast<Eigen::Index>(values.size())));
+      if (learned.allFinite() && learned.maxCoeff() > learned.minCoeff()) found.push_back(learned);
+    }
+    Eigen::MatrixXd result(rows, static_cast<Eigen::Index>(found.size()));
     for (std::size_t k = 0; k < found.size(); ++k)
       result.col(static_cast<Eigen::Index>(k)) = found[k];
     return result;
@@ -201,7 +203,7 @@ class Diagnoser {
   // none; nor are they looked for twice.
   std::optional<TwoSides> sides_beyond(const Look& look, const Extension& extension) const {
     if (problem_.rows_per_block > 1 || problem_.outputs.front().freed_of.size() > 0) return {};
-    auto sides = two_sides(problem_.timeline, extension.learned(), series_, coordinates());
+    auto sides = two_sides(problem_.timeline, extension.learned(), series_, channels());
     const double best = look.first ? look.causes[*look.first].evidence : 0;
     const double by_chance = 2 * std::log(static_cast<double>(series_.cols()) / options_.alpha);
     if (!sides || sides->gain < by_chance || sides->evidence < best) return std::nullopt;
@@ -220,9 +222,11 @@ class Diagnoser {
         for (const std::size_t i : series)
           names += (names.empty() ? "" : " and ") + name_of(causes_[extension.named()[i].cause]);
         result_.warnings.push_back(names +
-                                   ": withdrawn, because they only spell out a free shape "
-                                   "that describes these data as well");
-        for (std::size_t k = series.size(); k-- > 0;) extension.withdraw(series[k]);
+                                   (series.size() == 1 ? ": withdrawn, because it only spells"
+                                                       : ": withdrawn, because they only spell") +
+                                   " out a free shape that describes these data as well");
+        for (std::size_t k = series.size(); k-- > 0;)
+          DRIFTWISE_RETURN_IF_ERROR(extension.withdraw_with_its_train(series[k]));
         continue;
       }
       const auto test = omnibus.test(remainder.base(extension), omnibus_options());
@@ -244,7 +248,7 @@ class Diagnoser {
           name_of(causes_[extension.named()[*only_nearest].cause]) +
           " came nearest and was withdrawn: a good part of what it explains was left (" +
           result_.left_over.back().goes_with + ")");
-      extension.withdraw(*only_nearest);
+      DRIFTWISE_RETURN_IF_ERROR(extension.withdraw_with_its_train(*only_nearest));
     }
   }
 
@@ -265,16 +269,21 @@ class Diagnoser {
     return worst;
   }
 
-  // "adequate" says what it would have seen.
+  // "adequate" says what it would have seen, shape by shape: "2.4 nm in q1, 2.3 nm in q2 of a
+  // bump".
   void tell_smallest(const std::vector<SmallestSeen>& smallest) {
     std::string text;
-    for (const auto& one : smallest)
-      text += (text.empty() ? "" : "; ") + size_text(one.rms, one.unit) + " rms in " + one.output +
-              " of " + one.shape;
+    for (std::size_t i = 0; i < smallest.size(); ++i) {
+      const SmallestSeen& one = smallest[i];
+      const bool new_shape = i == 0 || smallest[i - 1].shape != one.shape;
+      text += i == 0 ? "" : new_shape ? "; " : ", ";
+      text += size_text(one.rms, one.unit) + " in " + one.output;
+      if (i + 1 == smallest.size() || smallest[i + 1].shape != one.shape)
+        text += " of " + one.shape;
+    }
     if (!text.empty())
       result_.warnings.push_back(
-          "what is left passed the test that knows no cause; in 80 % of "
-          "cases it sees " +
+          "what is left passed the test that knows no cause; in 80 % of cases it sees (rms) " +
           text);
   }
 
@@ -302,6 +311,9 @@ class Diagnoser {
                                  ", which chance imitates too often to be named (adjusted p " +
                                  p_text + ")");
     }
+    for (const auto& finding : result_.findings)
+      if (auto note = aliases_note(finding); !note.empty())
+        result_.warnings.push_back(std::move(note));
     for (const auto& division : divisions_of(problem_, causes_, extension))
       result_.warnings.push_back(sentence(division));
     for (auto& said : thermal_causes_of_instruments(problem_, causes_, extension))
@@ -375,6 +387,21 @@ std::vector<std::string> conditions_of(const Dataset& dataset,
   return conditions;
 }
 
+// Rows that neither learn nor judge, for they lack a value of the baseline or of an output. Empty:
+// none.
+std::string incomplete_rows(const Dataset& dataset, const Problem& problem) {
+  std::vector<char> used(dataset.rows, 0);
+  for (const auto* rows : {&problem.learn, &problem.judge})
+    for (const std::size_t row : *rows) used[row] = 1;
+  std::size_t left_out = 0;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    left_out += used[row] == 0 && !dataset.is_excluded(row) ? 1 : 0;
+  if (left_out == 0) return "";
+  return std::to_string(left_out) + " of " + std::to_string(dataset.rows) +
+         (left_out == 1 ? " rows is left out: it lacks" : " rows are left out: they lack") +
+         " a value of an output or of a term of the baseline";
+}
+
 bool several_datums(const Dataset& dataset) {
   return std::ranges::adjacent_find(dataset.datum, std::not_equal_to{}) != dataset.datum.end();
 }
@@ -431,6 +458,8 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
       problem.outputs[o].measured -=
           summary_unit(dataset.find(problem.outputs[o].channel.symbol)->channel.unit).factor *
           options.simulated.col(static_cast<Eigen::Index>(o));
+  if (auto said = incomplete_rows(dataset, problem); !said.empty())
+    whole.sentences.push_back(std::move(said));
   auto found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
   if (!found) return found;
   if (!dataset.set.empty() && std::ranges::count(dataset.set, PointSet::calibration) == 0)

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNinety = 1.645;  // accuracy.h
 constexpr double kHalfAsBadAgain = 1.5, kInstrumentShare = 0.7, kRepeatShare = 0.8,
-                 kSlowShare = 0.5, kSlowRows = 10, kLackOfFit = 0.01;
+                 kMostRepeats = 1.1, kSlowShare = 0.5, kSlowRows = 10, kLackOfFit = 0.01;
 
 std::string figure(double value, const std::string& unit) {
   char text[64];
@@ -38,10 +38,14 @@ Limit limited_by(const LimitFacts& f) {
   if (f.instrument_a90 && *f.instrument_a90 >= kInstrumentShare * held_out)
     return {"instrument", "the instrument " + f.instrument + ": its declared uncertainty is " +
                               figure(*f.instrument_a90, f.unit) + of + " (90 %)"};
-  if (f.pure_error && kNinety * *f.pure_error >= kRepeatShare * held_out)
-    return {"noise", "noise of instruments and axes: repeats of a pose alone make " +
-                         figure(kNinety * *f.pure_error, f.unit) + of +
-                         "; no term can lower it, more readings per point can"};
+  // Repeats that differ by more than the model leaves differ by what it reads: temperatures.
+  const double repeats = f.pure_error ? kNinety * *f.pure_error : 0;
+  if (repeats >= kRepeatShare * held_out && repeats <= kMostRepeats * held_out)
+    return {"noise",
+            "noise of instruments and axes: repeats of a pose alone make " +
+                figure(repeats, f.unit) + of +
+                "; no term of the pose can lower it. More readings per point can, or a term "
+                "of what differs between the visits: the side they came from, the hour"};
   if (f.slow_share >= kSlowShare && f.slow_rows >= kSlowRows)
     return {"drift", "drift that no term reads: " + percent(f.slow_share) +
                          " of the variance left is slow, over about " +

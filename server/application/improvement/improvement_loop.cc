@@ -410,7 +410,9 @@ Awaitable<Result<void>> ImprovementLoop::keep() {
 }
 
 void ImprovementLoop::say(const std::string& sentence) {
-  turn_.what += (turn_.what.empty() ? "" : ". ") + sentence;
+  // What a finding says ends with its own full stop.
+  if (!turn_.what.empty()) turn_.what += turn_.what.ends_with('.') ? " " : ". ";
+  turn_.what += sentence;
 }
 
 bool ImprovementLoop::has_time_for(double seconds) const {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/core/data/accuracy.h"
 #include "server/effects/effect.h"
 #include "server/effects/term.h"
 
@@ -32,6 +33,7 @@ struct FoundParameter {
   double value = 0;
   std::optional<Interval> ci90{};
   std::vector<CurvePoint> curve{};  // ascending in value; empty for a linear one
+  std::vector<double> aliases{};    // of a period: others that these places cannot tell from it
 };
 
 struct FindingOutput {
@@ -48,7 +50,16 @@ struct FindingOutput {
   // With the U90 above, figures of server/core/data/accuracy.h: A90 decides.
   std::optional<double> mean_before{}, mean_after{}, a90_before{}, a90_after{};
   std::optional<Interval> a90_after_ci90{};
+
+  // Figures of the held-out rows without the finding and with it.
+  void judge(const ErrorFigures& before, const ErrorFigures& after) {
+    u90_before = before.u90, u90_after = after.u90;
+    mean_before = before.mean, mean_after = after.mean;
+    a90_before = before.a90, a90_after = after.a90;
+  }
 };
+
+inline constexpr double kSmallestP = 1e-300;  // that is printed: 0 would be a rule, not a chance
 
 struct Finding {
   std::string cause{};    // id of the catalogue: "thermal_lag"

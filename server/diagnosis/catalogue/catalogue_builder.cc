@@ -41,6 +41,21 @@ effects::Term power_term(const std::string& symbol, int exponent) {
   return {{effects::Power{symbol, exponent}}};
 }
 
+std::vector<effects::Term> monomials_of_degree(const std::vector<std::string>& axes, int degree) {
+  std::vector<effects::Term> terms;
+  const auto fill = [&](const auto& self, std::size_t at, int left, const effects::Term& so_far) {
+    if (at == axes.size()) {
+      if (left == 0) terms.push_back(so_far);
+      return;
+    }
+    for (int e = left; e >= 0; --e)
+      self(self, at + 1, left - e,
+           e > 0 ? effects::product(so_far, power_term(axes[at], e)) : so_far);
+  };
+  fill(fill, 0, degree, {});
+  return terms;
+}
+
 effects::Term call_term(const std::string& effect, std::vector<std::string> symbols,
                         std::vector<effects::Quantity> parameters) {
   return {{effects::Call{effect, std::move(symbols), std::move(parameters)}}};

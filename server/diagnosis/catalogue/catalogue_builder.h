@@ -60,6 +60,8 @@ double wave_step(double range, std::size_t half_turns);
 std::vector<double> log_grid(double low, double high);
 
 effects::Term power_term(const std::string& symbol, int exponent = 1);
+// x^degree, x^(degree-1):y, ...: every product of these coordinates of one total degree.
+std::vector<effects::Term> monomials_of_degree(const std::vector<std::string>& axes, int degree);
 effects::Term call_term(const std::string& effect, std::vector<std::string> symbols,
                         std::vector<effects::Quantity> parameters = {});
 

@@ -18,6 +18,8 @@ using effects::Term;
 // are (rows/prepared.h).
 constexpr double kRateSteps = 2, kLongestRateSteps = 8, kLongestRate_s = 120;
 constexpr double kShortestLagSteps = 4;
+// A stiffness goes with the square of a direction cosine, and the force's direction with another.
+constexpr int kExpansionDegree = 2, kCouplingDegree = 3;
 
 Cause of_robot(const std::string& id, const std::string& subject, LinearParameter linear) {
   return {.id = id,
@@ -27,15 +29,20 @@ Cause of_robot(const std::string& id, const std::string& subject, LinearParamete
           .linear = linear};
 }
 
-// Each product of a pose coordinate with this variable alone, and all together. A rotation counts
-// where the simulation reads it as pose: a stage turned by a linear motor has an arm that grows.
-void add_axis_products(CatalogueBuilder& builder, Cause cause, const Term& variable) {
+// Each product of a pose coordinate with this variable alone, and all together; a robot whose legs
+// turn as it moves answers in higher orders too, so all up to each further degree. A rotation
+// counts where the simulation reads it as pose: a stage turned by a linear motor has an arm that
+// grows.
+void add_pose_products(CatalogueBuilder& builder, Cause cause, const Term& variable,
+                       int highest_degree) {
   std::vector<Term> all;
-  for (const auto& axis : builder.axes()) {
-    all.push_back(effects::product(power_term(axis), variable));
-    builder.add_terms(cause, {all.back()}, kMissing);
+  for (const auto& axis : builder.axes())
+    builder.add_terms(cause, {effects::product(power_term(axis), variable)}, kMissing);
+  for (int degree = 1; degree <= highest_degree; ++degree) {
+    for (const auto& monomial : monomials_of_degree(builder.axes(), degree))
+      all.push_back(effects::product(monomial, variable));
+    builder.add_terms(cause, all, kMissing);
   }
-  builder.add_terms(cause, all, kMissing);
   builder.take_cause(std::move(cause));
 }
 
@@ -51,8 +58,8 @@ void add_temperatures(CatalogueBuilder& builder) {
     Cause offset = of_robot("thermal_offset", t, LinearParameter::nm_per_k);
     builder.add_terms(offset, {power_term(t)}, kMissing);
     builder.take_cause(std::move(offset));
-    add_axis_products(builder, of_robot("thermal_expansion", t, LinearParameter::ppm_per_k),
-                      power_term(t));
+    add_pose_products(builder, of_robot("thermal_expansion", t, LinearParameter::ppm_per_k),
+                      power_term(t), kExpansionDegree);
     if (!builder.timed()) continue;
     Cause lag = of_robot("thermal_lag", t, LinearParameter::none);
     lag.parameter = "tau_s";
@@ -96,9 +103,9 @@ void add_force(CatalogueBuilder& builder) {
   if (bend.cells.empty()) builder.add_terms(bend, {power_term("force", 4)}, 4);
   builder.add_terms(bend, {call_term("contact", {"force"})}, 2.0 / 3);
   builder.take_cause(std::move(bend));
-  add_axis_products(builder,
+  add_pose_products(builder,
                     of_robot("force_position_coupling", "F", LinearParameter::nm_per_n_per_mm),
-                    power_term("force"));
+                    power_term("force"), kCouplingDegree);
   if (builder.axes().empty())
     builder.missing("force_position_coupling", "no pose coordinate varies");
 }

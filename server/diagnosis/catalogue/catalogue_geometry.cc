@@ -25,23 +25,8 @@ Cause geometry(const std::string& subject) {
 
 // All products of these axes, each at least once, of one total degree.
 std::vector<Term> products_of_degree(const std::vector<std::string>& axes, int degree) {
-  std::vector<Term> terms;
-  std::vector<int> exponent(axes.size(), 1);
-  const auto fill = [&](const auto& self, std::size_t at, int left) -> void {
-    if (at + 1 == axes.size()) {
-      exponent[at] = left;
-      Term term;
-      for (std::size_t i = 0; i < axes.size(); ++i)
-        term = effects::product(term, power_term(axes[i], exponent[i]));
-      terms.push_back(std::move(term));
-      return;
-    }
-    for (int e = 1; e <= left - static_cast<int>(axes.size() - at - 1); ++e) {
-      exponent[at] = e;
-      self(self, at + 1, left - e);
-    }
-  };
-  if (degree >= static_cast<int>(axes.size())) fill(fill, 0, degree);
+  auto terms = monomials_of_degree(axes, degree);
+  std::erase_if(terms, [&](const Term& term) { return term.factors.size() < axes.size(); });
   return terms;
 }
 

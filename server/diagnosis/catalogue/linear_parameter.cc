@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/channel.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
 
@@ -20,6 +21,30 @@ bool of_rotation(const effects::Term& term) {
   });
 }
 
+// Of a product with more than one pose coordinate, or a power of one: no number per millimetre.
+bool of_higher_order(const effects::Term& term) {
+  int degree = 0;
+  for (const auto& factor : term.factors)
+    if (const auto* power = std::get_if<effects::Power>(&factor);
+        power != nullptr && is_pose_symbol(power->symbol))
+      degree += power->exponent;
+  return degree > 1;
+}
+
+// Of one of the air's channels where not all three are there, alone or times a length: what it does
+// to the zero, or to the length.
+LinearNumber of_air(const effects::Term& term) {
+  const auto read = effects::symbols_of(term);
+  const bool of_length = term.factors.size() > 1;
+  if (of_rotation(term) || of_higher_order(term)) return {};
+  for (const auto& symbol : read) {
+    if (symbol == "air") return {of_length ? "ppm_per_k" : "nm_per_k", 1};
+    if (symbol == "pressure") return {of_length ? "ppm_per_hpa" : "nm_per_hpa", 1};
+    if (symbol == "humidity") return {of_length ? "ppm_per_pct" : "nm_per_pct", 1};
+  }
+  return {};
+}
+
 }  // namespace
 
 LinearNumber linear_number(LinearParameter parameter, const effects::Term& term, double value) {
@@ -31,11 +56,13 @@ LinearNumber linear_number(LinearParameter parameter, const effects::Term& term,
     case LinearParameter::nm_per_k_per_h:
       return {"nm_per_k_per_h", 1};
     case LinearParameter::ppm_per_k:  // nm per mm is ppm
-      return of_rotation(term) ? LinearNumber{} : LinearNumber{"ppm_per_k", 1};
+      if (of_rotation(term) || of_higher_order(term)) return {};
+      return {"ppm_per_k", 1};
     case LinearParameter::nm_per_n:
       return {"nm_per_n", 1};
     case LinearParameter::nm_per_n_per_mm:
-      return of_rotation(term) ? LinearNumber{} : LinearNumber{"nm_per_n_per_mm", 1};
+      if (of_rotation(term) || of_higher_order(term)) return {};
+      return {"nm_per_n_per_mm", 1};
     case LinearParameter::width_nm:  // the play's own output is in mm for a width of `value` nm
       return {"width_nm", value / kNmPerMm};
     case LinearParameter::offset_mm:  // nm per arcsec
@@ -44,7 +71,7 @@ LinearNumber linear_number(LinearParameter parameter, const effects::Term& term,
       if (term.factors.size() < 2) return {};
       return {"angle_arcsec", 1 / (kRadPerArcsec * kRadPerArcsec * kNmPerMm)};
     case LinearParameter::dead_path_mm:  // nm per ppm
-      return is_air_index(term) ? LinearNumber{"dead_path_mm", 1} : LinearNumber{};
+      return is_air_index(term) ? LinearNumber{"dead_path_mm", 1} : of_air(term);
     case LinearParameter::nm_per_h:
       if (of_rotation(term)) return {};
       return term.factors.size() > 1 ? LinearNumber{"ppm_per_h", 1} : LinearNumber{"nm_per_h", 1};

@@ -7,7 +7,8 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kDrop90 = 2.7055, kDropOfCurve = 10;
-constexpr int kGoldenSteps = 14, kBisections = 9, kCurvePointsPerSide = 8;
+constexpr int kGoldenSteps = 14, kBisections = 50, kCurvePointsPerSide = 8;
+constexpr double kOfInterval = 5e-3;  // how well its ends are found
 
 struct Scale {
   bool inverse;
@@ -54,7 +55,9 @@ double end_of(double best_u, double top, double drop, double step, double limit,
     if (outside == limit) return limit;
     step *= 1.7;
   }
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0;
+       i < kBisections && std::abs(outside - inside) > kOfInterval * std::abs(outside - best_u);
+       ++i) {
     const double middle = (inside + outside) / 2;
     (gain_u(middle) < top - drop ? outside : inside) = middle;
   }
@@ -130,7 +133,13 @@ std::optional<Profile> profile(const Cause& cause, const Refined& at,
   if (first > last) std::swap(first, last);
   const double best = scale.to(at.value);
   const auto gain_u = [&](double u) { return gain(scale.from(u)); };
-  const double grid_step = (last - first) / static_cast<double>(cause.cells.size() - 1);
+  // From cell to cell about the best: known periods make the grid a thousand times coarser
+  // elsewhere.
+  const auto [below, above] = neighbours(cause, at.value);
+  double grid_step = (last - first) / static_cast<double>(cause.cells.size() - 1);
+  for (const double next : {below, above})
+    if (const double away = std::abs(scale.to(next) - best); away > 0)
+      grid_step = std::min(grid_step, away);
   const double low =
       end_of(best, at.gain, kDrop90, -0.1 * grid_step, std::min(first, best), gain_u);
   const double high = end_of(best, at.gain, kDrop90, 0.1 * grid_step, std::max(last, best), gain_u);

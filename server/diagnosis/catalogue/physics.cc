@@ -152,7 +152,9 @@ std::span<const PhysicsRecord> physics_table() {
       {"thermal_lag", "nm/K", "as thermal_offset", "20 x", "as thermal_offset"},
       {"thermal_rate", "nm per K/h", "thermal_offset x 15 min", "20 x",
        "delay of a minute to an hour"},
-      {"thermal_expansion", "ppm/K", "12", "30", "no material of machines grows more"},
+      {"thermal_expansion",
+       "ppm/K of a coordinate; products of the second order as large at the stroke's end", "12",
+       "30", "no material of machines grows more"},
       {"self_heating", "nm over the range of the motion's heat", "0.3 K x thermal_offset", "20 x",
        "motors of stages at some watts"},
       {"activity_heating",
@@ -164,8 +166,9 @@ std::span<const PhysicsRecord> physics_table() {
        "share of the linear part at the largest force; nm/N^(2/3) of a contact",
        "0.3; 200 or 10 sigma over the range of force", "50 x",
        "joints; a steel ball of 10 mm on a flat (Hertz; Johnson, Contact Mechanics, 4.2)"},
-      {"force_position_coupling", "change of nm/N over the stroke", "as force_compliance", "50 x",
-       "a cantilever's length"},
+      {"force_position_coupling",
+       "change of nm/N over the stroke, up to the third order in the pose", "as force_compliance",
+       "50 x", "a cantilever's length; legs that turn"},
       {"backlash", "nm", "200, 2e-5 of the stroke or 10 sigma", "50 x", "screws 1 to 10 um"},
       {"creep", "nm over the range of the moves", "1e-4 of the stroke or 10 sigma", "50 x",
        "piezos 1 %, screws 1e-4"},
@@ -235,6 +238,26 @@ double Physics::nm_per_ppm(const effects::Term& term, std::size_t output) const 
   return high > low ? 1e-6 * (high - low) / std::max(range_of(axis), 1e-12) : 1;
 }
 
+// Of a Chebyshev polynomial's first coefficient, per symbol of these: a term of any order is as
+// large at the stroke's end as one of the first.
+double Physics::per_unit_at_the_end(const effects::Term& term,
+                                    const std::vector<std::string>& symbols) const {
+  double result = 1;
+  for (const auto& symbol : symbols) {
+    const int e = exponent_of(term, symbol);
+    result *= std::pow(2.0, e - 1) / std::pow(std::max(range_of(symbol) / 2, 1e-12), e);
+  }
+  return result;
+}
+
+// The same of the pose coordinates in the term, over the first one's in the first order.
+double Physics::of_first_order(const effects::Term& term) const {
+  std::vector<std::string> pose = effects::symbols_of(term);
+  std::erase_if(pose, [](const std::string& symbol) { return !is_pose_symbol(symbol); });
+  if (pose.empty()) return 1;
+  return per_unit_at_the_end(term, pose) * std::max(range_of(axis_of(term)) / 2, 1e-12);
+}
+
 double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
                             double column_range, std::size_t output) const {
   const double sigma = noise_sd_[output], large = kOfNoise * sigma;
@@ -247,7 +270,8 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   const auto& id = cause.id;
   if (id == "thermal_offset" || id == "thermal_lag") return per_k;
   if (id == "thermal_rate") return per_k * kRateTime_h;
-  if (id == "thermal_expansion") return kExpansion_ppm_per_k * nm_per_ppm(term, output);
+  if (id == "thermal_expansion")
+    return kExpansion_ppm_per_k * nm_per_ppm(term, output) * of_first_order(term);
   if (id == "self_heating") return kHeating_k * per_k * per_column;
   if (id == "activity_heating") return kActivity_k * per_k * per_column;
   if (id == "backlash")
@@ -262,14 +286,9 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "instrument_drift")
     return term.factors.size() > 1 ? kScaleDrift_ppm_per_h * nm_per_ppm(term, output)
                                    : std::max(kDrift_nm_per_h, 3 * sigma / std::max(hours_, 1e-9));
-  if (id == "geometry_order") {
-    double size = std::max(kGeometry * stroke_nm, large);
-    for (const auto& symbol : effects::symbols_of(term)) {
-      const int e = exponent_of(term, symbol);  // of a Chebyshev polynomial's first coefficient
-      size *= std::pow(2.0, e - 1) / std::pow(std::max(range_of(symbol) / 2, 1e-12), e);
-    }
-    return size;
-  }
+  if (id == "geometry_order")
+    return std::max(kGeometry * stroke_nm, large) *
+           per_unit_at_the_end(term, effects::symbols_of(term));
   if (id.starts_with("force_")) {
     const double per_n = std::max(kCompliance_nm_per_n, large / std::max(force_range_, 1e-12));
     if (id == "force_compliance") return per_n;
@@ -278,7 +297,8 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
     if (id == "force_nonlinearity")
       return 0.3 * per_n / std::pow(std::max(force_range_, 1e-12), exponent_of(term, "force") - 1);
     const std::string axis = axis_of(term);
-    return axis.empty() ? per_n : per_n / std::max(range_of(axis), 1e-12);
+    if (axis.empty()) return per_n;
+    return per_n / std::max(range_of(axis), 1e-12) * of_first_order(term);
   }
   if (id == "abbe_offset") {
     const int tilt = read_by(term, kTilts);

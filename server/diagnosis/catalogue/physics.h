@@ -59,6 +59,9 @@ class Physics {
  private:
   double range_of(const std::string& symbol) const;
   double nm_per_ppm(const effects::Term& term, std::size_t output) const;
+  double per_unit_at_the_end(const effects::Term& term,
+                             const std::vector<std::string>& symbols) const;
+  double of_first_order(const effects::Term& term) const;
   double nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
                      double column_range, std::size_t output) const;
   double range_factor(const Cause& cause, const effects::Term& term, std::size_t output) const;

@@ -5,7 +5,9 @@
 #include <cstdio>
 
 #include "server/core/try.h"
+#include "server/core/units.h"
 #include "server/diagnosis/answer/cancelled.h"
+#include "server/diagnosis/rows/aliases.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -13,6 +15,7 @@ namespace {
 constexpr std::size_t kMostContenders = 8;
 constexpr int kRounds = 2;
 constexpr std::size_t kMostFurther = 2;
+constexpr double kJumpsBesideValues = 5;  // times what the strongest cause with values may leave
 
 Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
@@ -88,9 +91,13 @@ std::vector<char> Extension::allowed() const {
   std::vector<char> allowed(causes_.size(), 1);
   for (std::size_t c = 0; c < causes_.size(); ++c)
     if (ruled_out_[c] != 0 || forbidden_[c] != 0) allowed[c] = 0;
-  for (const auto& one : named_)
-    allowed[one.cause] = allowed[one.cause] != 0 && has_values(causes_[one.cause]) &&
-                         one.values.size() <= kMostFurther;
+  // Where a lag is strong, jumps spell out what its shape leaves: the first one may, more may not.
+  const double least = kJumpsBesideValues * misfit().likelihood;
+  for (const auto& one : named_) {
+    const Cause& cause = causes_[one.cause];
+    const bool may = has_values(cause) || (may_repeat(cause) && one.likelihood >= least);
+    allowed[one.cause] = allowed[one.cause] != 0 && may && one.values.size() <= kMostFurther;
+  }
   return allowed;
 }
 
@@ -114,6 +121,13 @@ GainOf Extension::gain_of(const Ground& ground, const Cause& cause, std::vector<
 
 bool Extension::before(const Candidate& a, const Candidate& b) {
   return a.nameable != b.nameable ? a.nameable : a.evidence > b.evidence;
+}
+
+// Of a cause that is named: another value of a time constant that does about as well as a new cause
+// is the likelier. A jump is no likelier for there being one already.
+bool Extension::comes_near(const Candidate& candidate, const Candidate& best) const {
+  const double reach = has_values(causes_[candidate.cause]) ? kWithinReach : 0;
+  return candidate.evidence >= best.evidence - reach;
 }
 
 bool Extension::within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
@@ -200,12 +214,21 @@ Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) con
   one.values = {{candidate.refined.value, candidate.terms}};
   one.all = std::move(columns);
   one.learned = problem_.learned(one.all);
-  one.p_adjusted = p_adjusted;
+  one.p_adjusted = std::max(p_adjusted, kSmallestP);
   one.prior = candidate.prior;
   one.evidence = candidate.evidence;
   one.likelihood = candidate.gain.likelihood;
   one.share = candidate.gain.share;
   return one;
+}
+
+Gain Extension::gain_where_it_acts(std::size_t index, const Ground& without,
+                                   std::optional<std::size_t> but) const {
+  const Named& one = named_[index];
+  PriorSd prior = one.prior.typical;
+  for (std::size_t o = 0; o < one.share.size(); ++o)
+    if (one.share[o] == 0 || o == but) prior.col(static_cast<Eigen::Index>(o)).setZero();
+  return without.gain(one.learned, prior);
 }
 
 void Extension::forbid(std::size_t cause) {
@@ -218,7 +241,7 @@ Result<bool> Extension::add(const Look& look) {
   const Ground here = ground({}, shapes_);
   std::vector<std::size_t> present;
   for (const auto& one : named_)
-    if (has_values(causes_[one.cause])) present.push_back(one.cause);
+    if (may_repeat(causes_[one.cause])) present.push_back(one.cause);
   const auto best = contenders(look, here, present);
   if (best.empty()) {
     if (tick_ && !tick_()) return cancelled();
@@ -231,7 +254,7 @@ Result<bool> Extension::add(const Look& look) {
   }
   for (const auto& candidate : best)
     if (const auto index = index_of(candidate.cause);
-        index && candidate.evidence > best.front().evidence - kWithinReach) {
+        index && comes_near(candidate, best.front())) {
       const std::size_t before = named_[*index].values.size();
       DRIFTWISE_RETURN_IF_ERROR(add_value(*index, candidate));
       if (named_[*index].values.size() > before) return true;
@@ -344,6 +367,12 @@ void Extension::withdraw(std::size_t index) {
   named_.erase(named_.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
+Result<void> Extension::withdraw_with_its_train(std::size_t index) {
+  withdraw(index);
+  for (auto& one : named_) DRIFTWISE_RETURN_IF_ERROR(leave_superfluous_values(one));
+  return {};
+}
+
 Extension::Candidate Extension::as_it_stands(std::size_t index, const Standing& standing,
                                              const Ground& ground) const {
   const Named& named = named_[index];
@@ -356,6 +385,32 @@ Extension::Candidate Extension::as_it_stands(std::size_t index, const Standing& 
   result.evidence = result.gain.gain + standing.occam();
   result.beyond = result.evidence + standing.over_chance();
   return result;
+}
+
+std::vector<double> Extension::aliases_of(std::size_t index) const {
+  constexpr double kLoose = 1e-3;  // of the range: places of a lattice that an axis comes to
+  constexpr double kOpen = 6;      // in 2 ln L
+  const Named& one = named_[index];
+  const Cause& cause = causes_[one.cause];
+  const auto* wave = std::get_if<effects::Call>(&one.terms.front().factors.front());
+  if (cause.scale != ParameterScale::inverse || wave == nullptr) return {};
+  const auto where =
+      problem_.prepared.phase_values(wave->symbols.empty() ? std::string() : wave->symbols.front());
+  std::vector<double> values(where.begin(), where.end());
+  if (cause.parameter == "period_nm")
+    for (double& value : values) value = nm_from_mm(value);
+  const auto [low, high] = std::ranges::minmax(values);
+  const double period = one.values.front().parameter;
+  const Ground here = ground(index, shapes_);
+  const auto gain = gain_of(here, cause, one.values, 0);
+  const double least = gain(period) - kOpen;
+  std::vector<double> found;
+  for (const double other :
+       alike_on_a_lattice(period, lattice_spacing(values, kLoose * (high - low)))) {
+    const Refined at = refine(cause, other, instants_, gain);
+    if (at.gain > least) found.push_back(at.value);
+  }
+  return found;
 }
 
 std::optional<Profile> Extension::profile_of(std::size_t index) const {

@@ -41,10 +41,14 @@ inline constexpr double kWithinReach = 12;
 // Evidence of a finding, or gain of one value of it, that the others explain.
 inline constexpr double kExplainedByOthers = 8;
 
-// Of a time constant, a width or a period: a continuum of values, of which a cause may have
-// several.
+// Of a time constant, a width or a period: a continuum of values. One of them is an idealisation of
+// what the cause really does.
 inline bool has_values(const Cause& cause) {
   return cause.scale == ParameterScale::logarithmic || cause.scale == ParameterScale::inverse;
+}
+// Of those, and of instants: a cause may have several. Each jump is an event of its own.
+inline bool may_repeat(const Cause& cause) {
+  return has_values(cause) || cause.scale == ParameterScale::instant;
 }
 
 class Extension {
@@ -82,11 +86,19 @@ class Extension {
   // the learning ones show it.
   Result<std::vector<std::string>> settle();
   void withdraw(std::size_t index);
+  // The same, and with it the further values of others that were found beside it.
+  Result<void> withdraw_with_its_train(std::size_t index);
   // One of the named adds nothing to what is predicted of this output.
   void silence(std::size_t index, std::size_t output) { named_[index].share[output] = 0; }
+  // What one of the named gains where it acts, on the ground without it; but: nor on this output.
+  Gain gain_where_it_acts(std::size_t index, const Ground& without,
+                          std::optional<std::size_t> but = {}) const;
 
   // The interval and curve of a finding's parameter, given the others.
   std::optional<Profile> profile_of(std::size_t index) const;
+  // Periods that these places, or these instants, cannot tell from a wave's own: what they look
+  // like on a lattice, within 6 of the growth of 2 ln L. The longest first.
+  std::vector<double> aliases_of(std::size_t index) const;
   // The ground under one of the named, or under what would come next.
   Ground ground(std::optional<std::size_t> without, const std::vector<NoiseShape>& shapes) const;
   const std::vector<NoiseShape>& shapes() const { return shapes_; }
@@ -124,14 +136,22 @@ class Extension {
   double wherever_it_acts(const std::string& id, const std::vector<Candidate>& best) const;
   std::size_t preferred(const std::vector<Candidate>& best) const;
   static bool before(const Candidate& a, const Candidate& b);
+  bool comes_near(const Candidate& candidate, const Candidate& best) const;
   Candidate of_cell(std::size_t cause, std::size_t cell, const Standing& standing,
                     const Ground& ground) const;
   // No amplitude is beyond the cause's range by more than twice its standard error.
   bool within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
                     const Ground& ground) const;
+  // What the strongest of the causes with values may leave, and its name.
+  struct Misfit {
+    double likelihood = -1e300;
+    std::string of;
+  };
+  Misfit misfit() const;
   void leave_misfits(std::vector<std::string>& said);
   Result<void> place_instants();
-  Result<void> move_instant(std::size_t index, double instant_s);
+  Result<void> place_instant(std::size_t index, std::size_t value);
+  Result<void> move_instant(std::size_t index, std::size_t value, double instant_s);
   void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);
 
   const Problem& problem_;

@@ -70,7 +70,11 @@ Result<std::vector<std::string>> Extension::settle() {
     const std::string name = name_of(causes_[named_[i].cause]);
     if (best->empty() || !best->front().nameable || best->front().beyond < kExplainedByOthers) {
       if (!best->empty())
-        said.push_back(name + " was named and is explained by what was found after it");
+        said.push_back(name +
+                       (best->front().beyond < kExplainedByOthers
+                            ? " was named and is explained by what was found beside it"
+                            : " was named, and a geometry of higher order explains half of it "
+                              "or more: it has no name"));
       withdraw(i);
       continue;
     }
@@ -112,58 +116,67 @@ Result<std::vector<std::string>> Extension::settle() {
 // where it is, by least squares about what is predicted with the jump before them and after them.
 // Whether there is a jump, and its height, stays with the rows that learn.
 Result<void> Extension::place_instants() {
-  const auto& time_s = problem_.data().time_s;
-  for (std::size_t i = 0; i < named_.size(); ++i) {
-    if (causes_[named_[i].cause].scale != ParameterScale::instant) continue;
-    const double instant_s = named_[i].values.front().parameter;
-    const auto after = std::ranges::find_if(
-        problem_.learn, [&](std::size_t row) { return time_s[row] > instant_s; });
-    if (after == problem_.learn.begin() || after == problem_.learn.end()) continue;
-    const std::size_t first = *std::prev(after) + 1, last = *after;  // open: [first, last)
-    if (first == last) continue;
-    // costs: what a row adds where it lies before the jump less what it adds after it.
-    std::vector<double> costs(last - first, 0);
-    for (const bool jump_after : {true, false}) {
-      const std::size_t edge = jump_after ? last : first;
-      DRIFTWISE_RETURN_IF_ERROR(move_instant(i, (time_s[edge - 1] + time_s[edge]) / 2));
-      for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
-        const Eigen::VectorXd left = residuals(problem_, problem_.outputs[o], described(o));
-        for (std::size_t row = first; row < last; ++row)
-          if (const double r = left[static_cast<Eigen::Index>(row)] / noise_sd_[o]; r == r)
-            costs[row - first] += jump_after ? r * r : -r * r;
-      }
-    }
-    double cost = 0, least = 0;
-    std::size_t edge = first;
-    for (std::size_t row = first; row < last; ++row)
-      if ((cost += costs[row - first]) < least) {
-        least = cost;
-        edge = row + 1;
-      }
-    DRIFTWISE_RETURN_IF_ERROR(move_instant(i, (time_s[edge - 1] + time_s[edge]) / 2));
-  }
+  for (std::size_t i = 0; i < named_.size(); ++i)
+    if (causes_[named_[i].cause].scale == ParameterScale::instant)
+      for (std::size_t v = 0; v < named_[i].values.size(); ++v)
+        DRIFTWISE_RETURN_IF_ERROR(place_instant(i, v));
   return {};
 }
 
-Result<void> Extension::move_instant(std::size_t index, double instant_s) {
-  const Cell& now = named_[index].values.front();
-  return set_values(named_[index], {{instant_s, with_parameter(now.terms, instant_s), now.weight}});
+Result<void> Extension::place_instant(std::size_t index, std::size_t value) {
+  const auto& time_s = problem_.data().time_s;
+  const double instant_s = named_[index].values[value].parameter;
+  const auto after = std::ranges::find_if(problem_.learn,
+                                          [&](std::size_t row) { return time_s[row] > instant_s; });
+  if (after == problem_.learn.begin() || after == problem_.learn.end()) return {};
+  const std::size_t first = *std::prev(after) + 1, last = *after;  // open: [first, last)
+  if (first == last) return {};
+  // costs: what a row adds where it lies before the jump less what it adds after it.
+  std::vector<double> costs(last - first, 0);
+  for (const bool jump_after : {true, false}) {
+    const std::size_t edge = jump_after ? last : first;
+    DRIFTWISE_RETURN_IF_ERROR(move_instant(index, value, (time_s[edge - 1] + time_s[edge]) / 2));
+    for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
+      const Eigen::VectorXd left = residuals(problem_, problem_.outputs[o], described(o));
+      for (std::size_t row = first; row < last; ++row)
+        if (const double r = left[static_cast<Eigen::Index>(row)] / noise_sd_[o]; r == r)
+          costs[row - first] += jump_after ? r * r : -r * r;
+    }
+  }
+  double cost = 0, least = 0;
+  std::size_t edge = first;
+  for (std::size_t row = first; row < last; ++row)
+    if ((cost += costs[row - first]) < least) {
+      least = cost;
+      edge = row + 1;
+    }
+  return move_instant(index, value, (time_s[edge - 1] + time_s[edge]) / 2);
+}
+
+Result<void> Extension::move_instant(std::size_t index, std::size_t value, double instant_s) {
+  auto values = named_[index].values;
+  Cell& moved = values[value];
+  moved = {instant_s, with_parameter(moved.terms, instant_s), moved.weight};
+  return set_values(named_[index], std::move(values));
 }
 
 // A time constant or a period is an idealisation: what it leaves of something strong is no cause.
-void Extension::leave_misfits(std::vector<std::string>& said) {
-  std::size_t strongest = named_.size();
+Extension::Misfit Extension::misfit() const {
+  std::optional<std::size_t> strongest;
   for (std::size_t i = 0; i < named_.size(); ++i)
     if (has_values(causes_[named_[i].cause]) &&
-        (strongest == named_.size() || named_[i].likelihood > named_[strongest].likelihood))
+        (!strongest || named_[i].likelihood > named_[*strongest].likelihood))
       strongest = i;
-  if (strongest == named_.size()) return;
-  const double least = kMisfit * named_[strongest].likelihood;
-  const std::string name = name_of(causes_[named_[strongest].cause]);
+  if (!strongest) return {};
+  return {kMisfit * named_[*strongest].likelihood, name_of(causes_[named_[*strongest].cause])};
+}
+
+void Extension::leave_misfits(std::vector<std::string>& said) {
+  const Misfit misfit = this->misfit();
   for (std::size_t i = named_.size(); i-- > 0;) {
-    if (named_[i].likelihood >= least) continue;
+    if (named_[i].likelihood >= misfit.likelihood) continue;
     said.push_back(name_of(causes_[named_[i].cause]) + " is not named: it explains less than " +
-                   name + " may leave, whose real shape no one value describes exactly");
+                   misfit.of + " may leave, whose real shape no one value describes exactly");
     withdraw(i);
   }
 }
@@ -174,7 +187,7 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
                                                        const std::vector<Candidate>& best) const {
   for (std::size_t k = 0; k < best.size(); ++k)
     if (const auto at = index_of(best[k].cause);
-        at && *at != index && best[k].evidence > best.front().evidence - kWithinReach)
+        at && *at != index && comes_near(best[k], best.front()))
       return k;
   return std::nullopt;
 }

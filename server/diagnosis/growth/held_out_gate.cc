@@ -39,8 +39,12 @@ std::optional<Harm> harm_of(const Problem& problem, const std::vector<Cause>& ca
   return worst;
 }
 
-// Is a finding worth having for an output other than this one, beyond the interval?
+// Is a finding worth having for an output other than this one, beyond the interval, and is there
+// enough of it without this one to have a name?
 bool helps_another(const Problem& problem, const Extension& extension, const Harm& harm) {
+  const Ground without = extension.ground(harm.index, extension.shapes());
+  if (extension.gain_where_it_acts(harm.index, without, harm.output).gain < kExplainedByOthers)
+    return false;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     if (o == harm.output || extension.named()[harm.index].share[o] == 0) continue;
     const HeldOutRatio one = held_out_ratio(

@@ -16,7 +16,8 @@ struct Harmful {
 };
 
 // Takes back what harms, the worst first, until nothing does. What harms one output and helps
-// another, beyond the interval, is left out of the one only, and `said` says so. With fewer than
+// another, beyond the interval, is left out of the one only where the others still show it, and
+// `said` says so. With fewer than
 // 20 judging rows nothing is judged.
 std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vector<Cause>& causes,
                                          Extension& extension, std::vector<std::string>& said);

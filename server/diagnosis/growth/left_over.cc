@@ -22,14 +22,6 @@ Problem with_all_rows(const Problem& problem, std::size_t longest) {
   return whole;
 }
 
-Eigen::MatrixXd series_of(const Problem& problem) {
-  Eigen::MatrixXd series(problem.timeline.rows(),
-                         static_cast<Eigen::Index>(problem.outputs.size()));
-  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
-    series.col(static_cast<Eigen::Index>(o)) = problem.learned(problem.outputs[o].measured);
-  return series;
-}
-
 // x, x^3, sin(x, ..): of this axis and nothing else.
 bool reads_only(const effects::Term& term, const std::string& axis) {
   const auto read = effects::symbols_of(term);
@@ -55,7 +47,7 @@ Eigen::MatrixXd beside_each_other(const Eigen::MatrixXd& a, const Eigen::MatrixX
 Remainder::Remainder(const Problem& problem, std::size_t longest, const Physics& physics,
                      const std::vector<std::string>& excluded, SearchOptions options)
     : whole_(with_all_rows(problem, longest)),
-      series_(series_of(whole_)),
+      series_(whole_.series()),
       shapes_(free_shapes(whole_, physics, excluded)),
       search_(whole_.timeline, series_, shapes_.bank, std::move(options)) {}
 

@@ -22,7 +22,9 @@ Eigen::MatrixXd geometry_of(const Problem& problem) {
   const auto rows = static_cast<Eigen::Index>(problem.data().rows);
   std::vector<Eigen::ArrayXd> axes;
   for (const char* axis : kAxes) {
-    const auto values = problem.data().values_of(axis);
+    // As the motors predict it: a tilt moves what is measured, and the measured coordinate minus
+    // the predicted one is the lever itself.
+    const auto values = problem.prepared.conditions().values_of(axis);
     if (values.empty()) continue;
     double low = kUnlimited, high = -kUnlimited;
     for (const std::size_t row : problem.learn) {

@@ -15,8 +15,8 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr int kRounds = 60;  // of sides and sizes in turn; a dozen is usual
-// Changes of side along a coordinate, of those that chance makes: one row in 70 strays.
-constexpr double kChangesOfAPlace = 0.06;
+// Changes of side along a channel, of those that chance makes: one row in 70 strays.
+constexpr double kChangesThatTell = 0.06;
 constexpr double kFewestShare = 0.1;  // of the rows, on either side
 constexpr Eigen::Index kParts = 16;
 constexpr std::size_t kSplitsTried = 32;
@@ -142,18 +142,19 @@ class Sides {
   Eigen::VectorXd side_, half_, along_;
 };
 
-// In the order of a coordinate the side hardly ever changes: something at those places, no side.
-bool goes_with_the_place(const Eigen::VectorXd& side, const Eigen::MatrixXd& coordinates) {
+// In the order of a channel the side hardly ever changes: something at those places, or under that
+// load, and no side.
+bool is_told_by(const Eigen::MatrixXd& channels, const Eigen::VectorXd& side) {
   const double mean = side.mean();
   const double by_chance = (1 - mean * mean) / 2 * static_cast<double>(side.size() - 1);
   std::vector<Eigen::Index> order(static_cast<std::size_t>(side.size()));
-  for (const auto& coordinate : coordinates.colwise()) {
+  for (const auto& channel : channels.colwise()) {
     std::iota(order.begin(), order.end(), Eigen::Index{0});
-    std::ranges::stable_sort(order, {}, [&](Eigen::Index i) { return coordinate[i]; });
+    std::ranges::stable_sort(order, {}, [&](Eigen::Index i) { return channel[i]; });
     double changes = 0;
     for (std::size_t k = 1; k < order.size(); ++k)
       changes += side[order[k]] != side[order[k - 1]] ? 1 : 0;
-    if (changes < kChangesOfAPlace * by_chance) return true;
+    if (changes < kChangesThatTell * by_chance) return true;
   }
   return false;
 }
@@ -161,8 +162,7 @@ bool goes_with_the_place(const Eigen::VectorXd& side, const Eigen::MatrixXd& coo
 }  // namespace
 
 std::optional<TwoSides> two_sides(const Timeline& timeline, const SoftBase& simulation,
-                                  const Eigen::MatrixXd& series,
-                                  const Eigen::MatrixXd& coordinates) {
+                                  const Eigen::MatrixXd& series, const Eigen::MatrixXd& channels) {
   const SoftBase base = independent_base(simulation);
   Sides sides(timeline, base, series);
   const Eigen::MatrixXd guesses = sides.guesses(base);
@@ -172,7 +172,7 @@ std::optional<TwoSides> two_sides(const Timeline& timeline, const SoftBase& simu
       continue;
     best = TwoSides{sides.side(), sides.half(), sides.along(), sides.apart(), 0, 0};
   }
-  if (!best || goes_with_the_place(best->side, coordinates)) return {};
+  if (!best || is_told_by(channels, best->side)) return {};
   // The outputs' common part, then each output.
   Eigen::MatrixXd before(series.rows(), series.cols() + 1), after;
   before << series * best->along, series;

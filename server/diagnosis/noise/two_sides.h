@@ -33,11 +33,11 @@ struct TwoSides {
 // series: rows x outputs. Both sides hold a tenth of the rows or more. The outputs are taken
 // together as they show the sides best; what is left without the sides may be any shape of
 // `noise_grid`, so that slow noise does not pass for sides. Nothing where the sides are not apart
-// or do not pay their price, and where the side goes with one of the coordinates (rows x k) all but
-// without exception: a bump on a guide is at its place, and a tip that never strays cannot be told
-// from one.
+// or do not pay their price, and where one of the channels (rows x k) tells the side all but
+// without exception: a bump on a guide is at its place, a robot that gives way is off under its
+// load, and a tip that never strays cannot be told from either.
 std::optional<TwoSides> two_sides(const Timeline& timeline, const SoftBase& simulation,
                                   const Eigen::MatrixXd& series,
-                                  const Eigen::MatrixXd& coordinates = {});
+                                  const Eigen::MatrixXd& channels = {});
 
 }  // namespace driftwise::diagnosis

@@ -87,6 +87,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       parameter.ci90 = curve->ci90;
       parameter.curve = std::move(curve->curve);
     }
+    parameter.aliases = extension.aliases_of(index);
     finding.parameters.push_back(std::move(parameter));
     for (std::size_t v = 1; v < named.values.size(); ++v)
       finding.parameters.push_back(
@@ -97,7 +98,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     finding.indistinguishable_from.push_back(name_of(causes[rival]));
   const Ground ground = extension.ground(index, extension.shapes());
   const auto on = acts_on(problem, cause);
-  const Gain gain = ground.gain(named.learned, named.prior.typical);
+  const Gain gain = extension.gain_where_it_acts(index, ground);
   const SoftBase base = extension.learned(index);
   const auto shown = static_cast<std::size_t>(
       std::ranges::count_if(gain.of_output, [](double one) { return one > kShown2lnl; }));
@@ -106,7 +107,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     const auto& output = problem.outputs[o];
     FindingOutput one{.output = output.channel.symbol, .unit = output.unit};
     one.gain_2lnl = gain.of_output[o];
-    one.shown = one.gain_2lnl > kShown2lnl || shown == 0;
+    one.shown = one.gain_2lnl > kShown2lnl || (shown == 0 && named.share[o] > 0);
     const WeightedFit fit(
         problem, base, named.learned, o, ground.space(gain.shape[o]).shape(),
         named.prior.typical.col(static_cast<Eigen::Index>(o)).unaryExpr([&](double sd) {
@@ -148,12 +149,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     if (problem.judge.size() >= 4) {
       const auto held =
           held_out(problem, output, extension.described(o, index), extension.described(o));
-      one.u90_before = held.before.u90;
-      one.u90_after = held.after.u90;
-      one.mean_before = held.before.mean;
-      one.mean_after = held.after.mean;
-      one.a90_before = held.before.a90;
-      one.a90_after = held.after.a90;
+      one.judge(held.before, held.after);
       one.u90_after_ci90 = held.u90_after_ci90;
       one.a90_after_ci90 = held.a90_after_ci90;
     }
@@ -237,7 +233,7 @@ Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
   Finding finding{.cause = "probe_hysteresis",
                   .where = "instrument",
                   .applies_to = effects::AppliesTo::dataset,
-                  .p_adjusted = std::max(std::exp(-sides.gain / 2), 1e-300),
+                  .p_adjusted = std::max(std::exp(-sides.gain / 2), kSmallestP),
                   .log_likelihood_ratio = sides.gain / 2};
   Eigen::VectorXd noise_sd(sides.half.size());
   for (std::size_t o = 0; o < problem.outputs.size(); ++o)
@@ -266,13 +262,8 @@ Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
 std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,
                                       const Extension& extension) {
   std::vector<OutputSummary> outputs;
-  const Ground ground(problem.timeline, noise_grid(problem.timeline), extension.learned(), [&] {
-    Eigen::MatrixXd series(problem.timeline.rows(),
-                           static_cast<Eigen::Index>(problem.outputs.size()));
-    for (std::size_t o = 0; o < problem.outputs.size(); ++o)
-      series.col(static_cast<Eigen::Index>(o)) = problem.learned(problem.outputs[o].measured);
-    return series;
-  }());
+  const Ground ground(problem.timeline, noise_grid(problem.timeline), extension.learned(),
+                      problem.series());
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     const auto& output = problem.outputs[o];
     OutputSummary one{.output = output.channel.symbol, .unit = output.unit};

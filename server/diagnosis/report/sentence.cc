@@ -1,6 +1,7 @@
 #include "server/diagnosis/report/sentence.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "server/core/channel.h"
@@ -11,25 +12,92 @@ namespace {
 
 std::string three_digits(double value) { return digits_text(value); }
 
-// "tau_s", "nm_per_k", "offset_mm_rx", and with the output where several show the cause:
-// "size_nm_q1". The unit is the last part that is one; what stands behind it says of which term.
-std::string parameter_text(std::string name, double value, const Finding& finding) {
-  std::string of;
+// Units of rates as they are written, in the order in which a name is asked for them: the longer
+// ones first, for a name may go on ("nm_per_k_x").
+struct RateUnit {
+  std::string_view name, written;
+};
+constexpr std::array kRateUnits = {RateUnit{"nm_per_k_per_h", "nm/(K/h)"},
+                                   RateUnit{"nm_per_n_per_mm", "nm/(N mm)"},
+                                   RateUnit{"nm_per_k", "nm/K"},
+                                   RateUnit{"nm_per_n", "nm/N"},
+                                   RateUnit{"nm_per_hpa", "nm/hPa"},
+                                   RateUnit{"nm_per_h", "nm/h"},
+                                   RateUnit{"nm_per_pct", "nm/%"},
+                                   RateUnit{"ppm_per_k", "ppm/K"},
+                                   RateUnit{"ppm_per_hpa", "ppm/hPa"},
+                                   RateUnit{"ppm_per_h", "ppm/h"},
+                                   RateUnit{"ppm_per_pct", "ppm/%"},
+                                   RateUnit{"arcsec_per_k", "arcsec/K"},
+                                   RateUnit{"urad_per_newton_m", "urad/(N m)"},
+                                   RateUnit{"urad_per_m", "urad/m"}};
+
+// A parameter's name in words: "offset_mm_rx_q1" is the offset rx in mm of q1.
+struct ParameterWords {
+  std::string label, unit, of;
+};
+
+// The unit is a rate, or the last part of the name that is a unit; what stands behind it says of
+// which term, and at last of which output, where several show the cause.
+ParameterWords words_of(std::string name, const Finding& finding) {
+  ParameterWords words;
   for (const auto& output : finding.outputs)
     if (name.ends_with("_" + output.output)) {
       name.resize(name.size() - output.output.size() - 1);
-      of = " (" + output.output + ")";
+      words.of = " (" + output.output + ")";
       break;
     }
-  if (name.find("_per_") != std::string::npos) return three_digits(value) + " " + name + of;
+  const auto without = [&name](std::size_t at, std::size_t length) {
+    std::string rest = name.substr(0, at) + name.substr(at + length);
+    if (rest.starts_with('_')) rest.erase(0, 1);
+    if (rest.ends_with('_')) rest.pop_back();
+    for (auto twice = rest.find("__"); twice != std::string::npos; twice = rest.find("__"))
+      rest.erase(twice, 1);
+    std::ranges::replace(rest, '_', ' ');
+    return rest;
+  };
+  words.label = without(0, 0);
+  for (const auto& rate : kRateUnits)
+    if (const auto at = name.find(rate.name); at != std::string::npos) {
+      words.label = without(at, rate.name.size());
+      words.unit = rate.written;
+      return words;
+    }
   for (auto at = name.rfind('_'); at != std::string::npos && at > 0; at = name.rfind('_', at - 1)) {
     const auto end = name.find('_', at + 1);
     const auto unit = name.substr(at + 1, end == std::string::npos ? end : end - at - 1);
     if (std::ranges::find(known_units(), unit) == known_units().end()) continue;
-    const auto rest = end == std::string::npos ? "" : name.substr(end);
-    return name.substr(0, at) + rest + " " + size_text(value, unit) + of;
+    words.label = without(at + 1, unit.size());
+    words.unit = unit;
+    return words;
   }
-  return three_digits(value) + " " + name + of;
+  return words;
+}
+
+// Digits that show the ends of an interval as two numbers: three, or more where it is narrow.
+int digits_of(const Interval& interval) {
+  constexpr int kMost = 8;
+  int digits = 3;
+  while (digits < kMost && interval.low != interval.high &&
+         digits_text(interval.low, digits) == digits_text(interval.high, digits))
+    ++digits;
+  return digits;
+}
+
+// "tau 1830 s (90 %: 1650 to 2010)"
+std::string parameter_text(const FoundParameter& parameter, const Finding& finding) {
+  if (parameter.name == "count")
+    return three_digits(parameter.value) + (parameter.value == 1 ? " row" : " rows");
+  const ParameterWords words = words_of(parameter.name, finding);
+  const SizeUnit unit = size_unit({parameter.value}, words.unit);
+  const int digits = parameter.ci90 ? digits_of(*parameter.ci90) : 3;
+  std::string text = words.label + (words.label.empty() ? "" : " ") +
+                     digits_text(parameter.value * unit.factor, digits) +
+                     (unit.unit.empty() ? "" : " ") + unit.unit + words.of;
+  if (parameter.ci90)
+    text += " (90 %: " + digits_text(parameter.ci90->low * unit.factor, digits) + " to " +
+            digits_text(parameter.ci90->high * unit.factor, digits) + ")";
+  return text;
 }
 
 std::string what(const Finding& finding) {
@@ -88,7 +156,8 @@ std::string sentence(const FaultySensor& sensor) {
              " rows from " + from + ": it is frozen, and those values are left out.";
     case SensorFault::spiked:
       return "Sensor " + sensor.channel + " gives " + count +
-             " single values far off their neighbours: they are left out.";
+             (sensor.rows.size() == 1 ? " value far off its neighbours: it is left out."
+                                      : " values far off their neighbours: they are left out.");
     case SensorFault::jumped:
       return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
              from +
@@ -106,13 +175,10 @@ std::string sentence(const FaultySensor& sensor) {
 
 std::string sentence(const Finding& finding) {
   std::string text = what(finding);
-  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  for (const auto& parameter : finding.parameters) {
-    text += ", " + parameter_text(parameter.name, parameter.value, finding);
-    if (parameter.ci90)
-      text += " (90 %: " + three_digits(parameter.ci90->low) + " to " +
-              three_digits(parameter.ci90->high) + ")";
-  }
+  if (finding.subject.empty() || !text.starts_with(finding.subject))  // q1 is no Q1
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  for (const auto& parameter : finding.parameters)
+    text += ", " + parameter_text(parameter, finding);
   for (const auto& output : finding.outputs) {
     if (!output.shown || !output.a90_before) continue;
     const SizeUnit unit =
@@ -136,6 +202,20 @@ std::string sentence(const Finding& finding) {
     text += ".";
   }
   return text;
+}
+
+std::string aliases_note(const Finding& finding) {
+  for (const auto& parameter : finding.parameters) {
+    if (parameter.aliases.empty()) continue;
+    const ParameterWords words = words_of(parameter.name, finding);
+    std::string text = finding.cause + (finding.subject.empty() ? "" : " " + finding.subject) +
+                       ": where these data were taken the " + words.label + " " +
+                       quantity_text(parameter.value, words.unit, 4) + " looks the same as ";
+    for (std::size_t i = 0; i < parameter.aliases.size(); ++i)
+      text += (i == 0 ? "" : ", ") + quantity_text(parameter.aliases[i], words.unit, 4);
+    return text + "; a scan between the positions tells them apart";
+  }
+  return "";
 }
 
 }  // namespace driftwise::diagnosis

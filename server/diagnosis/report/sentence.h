@@ -12,4 +12,7 @@ std::string sentence(const Finding& finding);
 std::string sentence(const FaultySensor& sensor);
 std::string size_text(double value, const std::string& unit);  // three digits: "84.2 nm"
 
+// Periods that the places cannot tell from the finding's; empty where there are none.
+std::string aliases_note(const Finding& finding);
+
 }  // namespace driftwise::diagnosis

@@ -145,16 +145,9 @@ class Geometry {
       one.amplitude = std::sqrt(raw.segment(first * n, n).squaredNorm() / static_cast<double>(n));
       one.gain_2lnl = evidence.segment(first * n, n).squaredNorm();
       one.shown = true;  // one number moves all outputs
-      if (m >= 4) {
-        const ErrorFigures judged_before = figures_of(before.segment(first * m, m)),
-                           judged_after = figures_of(after.segment(first * m, m));
-        one.u90_before = judged_before.u90;
-        one.u90_after = judged_after.u90;
-        one.mean_before = judged_before.mean;
-        one.mean_after = judged_after.mean;
-        one.a90_before = judged_before.a90;
-        one.a90_after = judged_after.a90;
-      }
+      if (m >= 4)
+        one.judge(figures_of(before.segment(first * m, m)),
+                  figures_of(after.segment(first * m, m)));
       found.outputs.push_back(std::move(one));
     }
   }

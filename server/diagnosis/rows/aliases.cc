@@ -55,4 +55,16 @@ std::vector<double> aliased_periods(double period, double spacing) {
   return periods;
 }
 
+std::vector<double> alike_on_a_lattice(double period, double spacing) {
+  if (!(spacing > 0) || !(period > 0)) return {};
+  constexpr double kSame = 1e-3;                                       // of a period
+  const double turns = std::abs(std::remainder(spacing / period, 1));  // from place to place
+  if (turns < kSame) return {};                                        // a constant on this lattice
+  const double longest = spacing / turns;
+  std::vector<double> periods = aliased_periods(longest, spacing);
+  periods.insert(periods.begin(), longest);
+  std::erase_if(periods, [&](double one) { return std::abs(one / period - 1) < kSame; });
+  return periods;
+}
+
 }  // namespace driftwise::diagnosis

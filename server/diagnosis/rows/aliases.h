@@ -14,4 +14,8 @@ double lattice_spacing(const std::vector<double>& values, double loose);
 // 1 / period), k from 1 to 3, the longest first. None for a spacing of 0.
 std::vector<double> aliased_periods(double period, double spacing);
 
+// The longest period that looks like this one on the lattice, and the first of those that are
+// aliases of it; without the period itself. None for a spacing of 0.
+std::vector<double> alike_on_a_lattice(double period, double spacing);
+
 }  // namespace driftwise::diagnosis

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "server/diagnosis/noise/robust.h"
 #include "server/diagnosis/rows/aliases.h"
 
 namespace driftwise::diagnosis {
@@ -52,6 +53,31 @@ std::vector<std::vector<int>> monomials(std::size_t variables, int degree) {
     }
   }
   return all;
+}
+
+// Least squares; rows far off the others are left out and it is fitted again: one lost reading of
+// zero would bend what is predicted of every row.
+Eigen::VectorXd without_gross_errors(const Eigen::MatrixXd& x, const Eigen::VectorXd& y) {
+  constexpr double kFarOff = 8;  // robust standard deviations
+  constexpr double kMostFarOff = 0.05;
+  constexpr int kRounds = 5;
+  Eigen::VectorXd b = x.colPivHouseholderQr().solve(y);
+  Eigen::Index dropped = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::VectorXd left = y - x * b;
+    const double far = kFarOff * robust_sd({left.data(), left.data() + left.size()});
+    const Eigen::ArrayXd kept = (left.array().abs() <= far).cast<double>();
+    const auto off = static_cast<Eigen::Index>(static_cast<double>(left.size()) - kept.sum());
+    if (!(far > 0) || off == dropped ||
+        static_cast<double>(off) > kMostFarOff * static_cast<double>(left.size()))
+      break;
+    dropped = off;
+    b = (x.array().colwise() * kept)
+            .matrix()
+            .colPivHouseholderQr()
+            .solve((y.array() * kept).matrix());
+  }
+  return b;
 }
 
 }  // namespace
@@ -145,7 +171,7 @@ std::optional<std::vector<double>> predicted_coordinate(const Dataset& dataset,
     fill(row, x.row(i));
     y[i] = own->values[row];
   }
-  const Eigen::VectorXd b = x.colPivHouseholderQr().solve(y);
+  const Eigen::VectorXd b = without_gross_errors(x, y);
   std::vector<double> result = own->values;
   Eigen::RowVectorXd at(width);
   for (std::size_t row = 0; row < dataset.rows; ++row) {

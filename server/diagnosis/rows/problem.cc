@@ -279,6 +279,13 @@ Eigen::MatrixXd Problem::learned(const Eigen::MatrixXd& all) const {
   return count.cwiseInverse().asDiagonal() * sums;
 }
 
+Eigen::MatrixXd Problem::series() const {
+  Eigen::MatrixXd result(timeline.rows(), static_cast<Eigen::Index>(outputs.size()));
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    result.col(static_cast<Eigen::Index>(o)) = learned(outputs[o].measured);
+  return result;
+}
+
 void Problem::leave_out(const std::vector<std::size_t>& rows) {
   std::erase_if(learn, [&](std::size_t row) { return std::ranges::binary_search(rows, row); });
   judge_without(rows);

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kWrongRow = 8, kAgree = 4;  // robust standard deviations
 constexpr double kMostWrongRows = 0.05;
+constexpr std::size_t kLongestRun = 4;  // of wrong rows; what lasts longer is an event
 constexpr double kBetween = 4.5;     // robust standard deviations: 1 row of 150 000 of normal noise
 constexpr std::size_t kNearby = 40;  // rows to either side in time that tell the spread there
 constexpr std::size_t kBeside = 3;   // rows to either side in position
@@ -64,6 +65,38 @@ std::vector<double> as_beside(const Problem& problem, const std::vector<std::siz
     result[order[i]] = median(std::move(beside));
   }
   return result;
+}
+
+// Rows one after the other that lie off the one before them and the one after, which agree; all to
+// one side, for where a smoothed temperature cuts a corner rows lie off to both.
+struct RunOff {
+  std::size_t first = 0, count = 0;
+  double beside = 0;  // mean of the two
+};
+
+// left: of every row of the dataset. least, agree: of the rows' index.
+template <typename Least, typename Agree>
+std::vector<RunOff> runs_off(const Eigen::VectorXd& left, const Least& least, const Agree& agree,
+                             const std::vector<std::size_t>& rows) {
+  const auto at = [&](std::size_t i) { return left[static_cast<Eigen::Index>(rows[i])]; };
+  std::vector<RunOff> runs;
+  for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+    const auto is_run = [&](std::size_t count) {
+      const double before = at(i - 1), after = at(i + count), beside = (before + after) / 2;
+      for (std::size_t k = i; k < i + count; ++k)
+        if (!(std::abs(at(k) - beside) > least(k)) ||
+            std::signbit(at(k) - beside) != std::signbit(at(i) - beside))
+          return false;
+      return std::abs(after - before) < agree(i);
+    };
+    for (std::size_t count = 1; count <= kLongestRun && i + count < rows.size(); ++count) {
+      if (!is_run(count)) continue;
+      runs.push_back({i, count, (at(i - 1) + at(i + count)) / 2});
+      i += count;  // the row after it is right
+      break;
+    }
+  }
+  return runs;
 }
 
 // Wrong rows are a population of their own: between them and the noise there is next to nothing.
@@ -221,21 +254,32 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
     for (double& one : about) one -= middle;
     const double least = kWrongRow * robust_sd(about);  // slow noise has close neighbours
     const auto beside = as_beside(problem, rows, about);
-    std::vector<double> others;
+    const auto is_own = [&](std::size_t i) {
+      return sd[i] > 0 && std::abs(about[i] - beside[i]) >= kOwn * std::abs(about[i]);
+    };
+    const auto runs = runs_off(
+        left, [&](std::size_t i) { return std::max(kWrongRow * sd[i], least); },
+        [&](std::size_t i) { return kAgree * sd_across[i]; }, rows);
+    std::vector<char> tells(rows.size(), 1);  // nothing of a wrong row beside it
     double nearest = INFINITY;
     std::size_t count = 0;
-    for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
-      if (!(sd[i] > 0) || std::abs(apart[i]) <= std::max(kWrongRow * sd[i], least) ||
-          std::abs(across[i]) >= kAgree * sd_across[i] ||
-          std::abs(about[i] - beside[i]) < kOwn * std::abs(about[i])) {
-        others.push_back(apart[i]);
-        continue;
+    for (const RunOff& run : runs) {
+      bool all_own = true;
+      for (std::size_t i = run.first; i < run.first + run.count; ++i)
+        all_own = all_own && is_own(i);
+      if (!all_own) continue;
+      for (std::size_t i = run.first - 1; i <= run.first + run.count; ++i) tells[i] = 0;
+      for (std::size_t i = run.first; i < run.first + run.count; ++i) {
+        const double off = std::abs(at(i) - run.beside);
+        nearest = std::min(nearest, off);
+        ++count;
+        found.push_back({rows[i], output.channel.symbol, off / sd[i]});
+        wrong.insert(rows[i]);
       }
-      nearest = std::min(nearest, std::abs(apart[i]));
-      ++count;
-      found.push_back({rows[i], output.channel.symbol, std::abs(apart[i]) / sd[i]});
-      wrong.insert(rows[i]);
     }
+    std::vector<double> others;
+    for (std::size_t i = 1; i + 1 < rows.size(); ++i)
+      if (tells[i] != 0) others.push_back(apart[i]);
     if (count > 0)
       p = std::min(
           p, static_cast<double>(problem.outputs.size()) *

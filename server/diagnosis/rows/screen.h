@@ -33,9 +33,9 @@ using OutputsLikelihood = std::function<double(const Dataset& dataset, const Fre
 
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
 // frozen: the same number to the last digit for a tenth of the rows or more, and ten times longer
-//   than anywhere else; spiked: single values off both neighbours, which agree; jumped: a change
-//   from one row to the next a dozen times its usual size, that stays, and that most others do not
-//   make; swapped: two sensors that take one another's place in one row.
+//   than anywhere else; spiked: one to ten values off the neighbours on both sides, which agree;
+//   jumped: a change from one row to the next a dozen times its usual size, that stays, and that
+//   most others do not make; swapped: two sensors that take one another's place in one row.
 // Single wrong values and those of a frozen stretch are blanked. A jump or an exchange is mended
 // only on evidence: a part can really warm. two_ln_likelihood says how well the baseline describes
 // the outputs with the readings as given to it: mended they must do better by 2 ln L of 25.
@@ -67,11 +67,12 @@ struct OutlierRow {
   double p = 1;  // of all wrong rows of the look together
 };
 
-// Isolated wrong rows, of those that learn and those that judge: one that stands far off both its
-// neighbours in time, which agree with one another. Nothing when there are so many that they are no
-// exceptions (5 %); not where those measured beside it in position are half as far off: then the
-// place is wrong. Nothing where as many rows as far off are likelier than alpha under Student's law
-// with the degrees of freedom that the other rows have.
+// Isolated wrong rows, of those that learn and those that judge: one, or up to four in a row that
+// are off to the same side, far off the neighbours in time on both sides, which agree with one
+// another. Nothing when there are so many that they are no exceptions (5 %); not where those
+// measured beside it in position are half as far off: then the place is wrong. Nothing where as
+// many rows as far off are likelier than alpha under Student's law with the degrees of freedom that
+// the other rows have.
 std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha);
 
 // Rows that are too far off for the noise, tails and all, in what is left, whitened: a few gross

@@ -46,27 +46,43 @@ double chance_frozen(const std::vector<double>& values, std::size_t length) {
       1.0, static_cast<double>(values.size()) * std::pow(often, static_cast<double>(length)));
 }
 
-// p: of as many spikes as these.
+constexpr std::size_t kLongestSpike = 10;  // rows: what lasts longer is frozen, or a jump
+
+// Of values one after the other that lie off the one before them and the one after, which agree;
+// p: of as many as these.
 std::vector<std::size_t> spiked_rows(const std::vector<double>& v, double& p) {
-  std::vector<double> apart(v.size(), 0), across(v.size(), 0);
-  for (std::size_t i = 1; i + 1 < v.size(); ++i) {
-    apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
-    across[i] = v[i + 1] - v[i - 1];
-  }
+  std::vector<double> apart(v.size(), 0);
+  for (std::size_t i = 1; i + 1 < v.size(); ++i) apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
   const double usual = std::max(robust_sd(apart), resolution_of(v));
   const double least = std::max(kFarOffSensor * usual, kSmallest_k);
   std::vector<std::size_t> rows;
-  for (std::size_t i = 1; i + 1 < v.size(); ++i)
-    if (std::abs(apart[i]) > least && std::abs(across[i]) < least / 2) rows.push_back(i);
-  if (rows.empty()) return rows;
+  std::vector<char> tells(v.size(), 1);  // nothing of a spike beside it
   double nearest = INFINITY;
+  const auto is_spike = [&](std::size_t first, std::size_t count) {
+    const double before = v[first - 1], after = v[first + count], beside = (before + after) / 2;
+    const double own = v[first] - beside;
+    for (std::size_t k = first; k < first + count; ++k)
+      if (!(std::abs(v[k] - beside) > least) || std::signbit(v[k] - beside) != std::signbit(own))
+        return false;
+    // Meanwhile the part itself may warm.
+    return std::abs(after - before) < std::max(least / 2, std::abs(own) / 4);
+  };
+  for (std::size_t i = 1; i + 1 < v.size(); ++i)
+    for (std::size_t count = 1; count <= kLongestSpike && i + count < v.size(); ++count) {
+      if (!is_spike(i, count)) continue;
+      const double beside = (v[i - 1] + v[i + count]) / 2;
+      for (std::size_t k = i - 1; k <= i + count; ++k) tells[k] = 0;
+      for (std::size_t k = i; k < i + count; ++k) {
+        nearest = std::min(nearest, std::abs(v[k] - beside));
+        rows.push_back(k);
+      }
+      i += count;  // the value after it is right
+      break;
+    }
+  if (rows.empty()) return rows;
   std::vector<double> others;
-  for (std::size_t i = 1; i + 1 < v.size(); ++i) {
-    const bool next_to =
-        std::ranges::any_of(rows, [i](std::size_t row) { return i + 1 >= row && i <= row + 1; });
-    if (std::ranges::find(rows, i) != rows.end()) nearest = std::min(nearest, std::abs(apart[i]));
-    if (!next_to && std::isfinite(apart[i])) others.push_back(apart[i]);
-  }
+  for (std::size_t i = 1; i + 1 < v.size(); ++i)
+    if (tells[i] != 0 && std::isfinite(apart[i])) others.push_back(apart[i]);
   const StudentLaw law = student_law(others, resolution_of(v));
   p = chance_of_as_many(law.beyond(nearest), rows.size(), v.size());
   return rows;

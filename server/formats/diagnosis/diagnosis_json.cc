@@ -29,6 +29,7 @@ Json parameters_json(const std::vector<diagnosis::FoundParameter>& parameters) {
       for (const auto& point : parameter.curve)
         one["curve"].push_back({{"value", point.value}, {"below_2lnl", point.below_2lnl}});
     }
+    if (!parameter.aliases.empty()) one["aliases"] = parameter.aliases;
     list[parameter.name] = std::move(one);
   }
   return list;
@@ -171,8 +172,10 @@ std::string diagnosis_page(const diagnosis::Diagnosis& d) {
             rest.goes_with + "\n";
   for (const auto& one : diagnosis::heading_of(d))
     page += "accuracy (A90), before -> after: " + accuracy_text(one) + "\n";
-  page += "\nA90, before -> after\n";
-  for (const auto& one : diagnosis::judged_accuracies(d)) page += "  " + accuracy_text(one) + "\n";
+  const auto judged = diagnosis::judged_accuracies(d);
+  if (judged.size() > 1) page += "\nA90, before -> after\n";
+  for (const auto& one : judged)
+    if (judged.size() > 1) page += "  " + accuracy_text(one) + "\n";
   page += d.findings.empty() ? "\nno cause is supported by these data\n" : "\nfindings\n";
   int number = 0;
   for (const auto& finding : d.findings) {

@@ -144,6 +144,7 @@ Json parameter_json(const dx::FoundParameter& p) {
   one["curve"] = list(p.curve, [](const dx::CurvePoint& point) {
     return Json{json_number(point.value), json_number(point.below_2lnl)};
   });
+  if (!p.aliases.empty()) one["aliases"] = p.aliases;
   return one;
 }
 
@@ -155,6 +156,8 @@ dx::FoundParameter read_parameter(const JsonPlace& from) {
   p.curve = read_list(from["curve"], [](const JsonPlace& point) {
     return dx::CurvePoint{point[std::size_t{0}].number(), point[std::size_t{1}].number()};
   });
+  if (from.has("aliases"))
+    p.aliases = read_list(from["aliases"], [](const JsonPlace& one) { return one.number(); });
   return p;
 }
 

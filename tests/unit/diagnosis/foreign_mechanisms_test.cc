@@ -79,6 +79,28 @@ TEST(ForeignData, WithNothingInThemAreAdequate) {
   }
 }
 
+// A mount that bends from the middle of the data on: larger residuals, and a shape in them.
+TEST(AShapeThatComesWithTheSecondHalf, IsNoChangeOfNoise) {
+  for (const unsigned seed : {4U, 5U, 6U}) {
+    std::mt19937_64 random(seed);
+    Rows rows = visited(random, 5);
+    for (std::size_t i = kRows / 2; i < kRows; ++i)
+      rows.x[i] += 15e-6 * std::cos(0.8 * std::numbers::pi * rows.q[i]);
+    const auto found = diagnosed(dataset(rows), "q1 ~ x + x^2 + T");
+    EXPECT_THAT(names_in(found), testing::Not(testing::Contains("noise_change"))) << seed;
+    EXPECT_EQ(found.verdict, Verdict::unexplained) << seed;
+  }
+}
+
+TEST(LargerNoiseInTheSecondHalf, IsAChangeOfNoise) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  Rows rows = visited(random, 5);
+  for (std::size_t i = kRows / 2; i < kRows; ++i) rows.x[i] += 10.6e-6 * normal(random);
+  EXPECT_THAT(names_in(diagnosed(dataset(rows), "q1 ~ x + x^2 + T")),
+              testing::ElementsAre("noise_change"));
+}
+
 TEST(ForeignData, AnOutputIsNoVariableOfItsOwnResidual) {
   std::mt19937_64 random(4);
   Rows rows = visited(random, 5);

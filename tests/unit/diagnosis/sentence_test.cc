@@ -1,5 +1,6 @@
 #include "server/diagnosis/report/sentence.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace driftwise::diagnosis {
@@ -20,11 +21,34 @@ bool says(const Finding& finding, const std::string& words) {
 TEST(Sentence, GivesEveryNumberItsUnitWhateverStandsBehindIt) {
   EXPECT_TRUE(says(with("tau_s", 1830), "tau 1830 s."));
   EXPECT_TRUE(says(with("offset_mm", 2.5), "offset 2.5 mm."));
-  EXPECT_TRUE(says(with("offset_mm_rx_q1", -51.7), "offset_rx -51.7 mm (q1)."));
+  EXPECT_TRUE(says(with("offset_mm_rx_q1", -51.7), "offset rx -51.7 mm (q1)."));
   EXPECT_TRUE(says(with("size_nm_x", 158), "size 158 nm (x)."));
-  EXPECT_TRUE(says(with("nm_per_k_q1", 940), "940 nm_per_k (q1)."));
-  EXPECT_TRUE(says(with("dead_path_mm", 12), "dead_path 12 mm."));
-  EXPECT_TRUE(says(with("degree", 3), "3 degree."));
+  EXPECT_TRUE(says(with("nm_per_k_q1", 940), "940 nm/K (q1)."));
+  EXPECT_TRUE(says(with("nm_per_k_per_h", -209), "-209 nm/(K/h)."));
+  EXPECT_TRUE(says(with("nm_per_n_per_mm", 8), "8 nm/(N mm)."));
+  EXPECT_TRUE(says(with("ppm_per_k_y_q1", 12), "y 12 ppm/K (q1)."));
+  EXPECT_TRUE(says(with("nm_per_hpa_pressure", 27), "pressure 27 nm/hPa."));
+  EXPECT_TRUE(says(with("nm_per_h", 20), "20 nm/h."));
+  EXPECT_TRUE(says(with("further2_time_s", 9030), "further2 time 9030 s."));
+  EXPECT_TRUE(says(with("period_nm", 5e6), "period 5 mm."));
+  EXPECT_TRUE(says(with("count", 1), "1 row."));
+  EXPECT_TRUE(says(with("sag_urad_per_newton_m", 3), "sag 3 urad/(N m)."));
+  EXPECT_TRUE(says(with("dead_path_mm", 12), "dead path 12 mm."));
+  EXPECT_TRUE(says(with("degree", 3), "degree 3."));
+}
+
+TEST(Sentence, ShowsTheEndsOfANarrowIntervalAsTwoNumbers) {
+  Finding finding = with("period_nm", 256.004);
+  finding.parameters[0].ci90 = Interval{255.98, 256.03};
+  EXPECT_TRUE(says(finding, "period 256 nm (90 %: 255.98 to 256.03)."));
+}
+
+TEST(Sentence, NamesThePeriodsThatThePlacesCannotTellFromIt) {
+  Finding finding = with("period_nm", 125000);
+  finding.parameters[0].aliases = {500e3, 83.3e3};
+  EXPECT_THAT(aliases_note(finding),
+              testing::HasSubstr("the period 125 um looks the same as 500 um, 83.3 um;"));
+  EXPECT_EQ(aliases_note(with("period_nm", 125000)), "");
 }
 
 }  // namespace

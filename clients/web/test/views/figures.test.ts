@@ -58,7 +58,7 @@ describe('parameters of a finding', () => {
   });
   it('takes the unit from the name', () => {
     expect(parameterWords('tau_s')).toEqual({ name: 'tau', unit: 's' });
-    expect(parameterWords('nm_per_K_per_h').unit).toBe('nm/(K/h)');
+    expect(parameterWords('nm_per_k_per_h').unit).toBe('nm/(K/h)');
     expect(parameterWords('ppm_per_k_x_q1')).toEqual({ name: 'x, q1', unit: 'ppm/K' });
     expect(parameterWords('nm_per_k_q2')).toEqual({ name: 'size, q2', unit: 'nm/K' });
     expect(parameterWords('offset_mm_rx_q1')).toEqual({ name: 'offset rx, q1', unit: 'mm' });
@@ -66,13 +66,13 @@ describe('parameters of a finding', () => {
     expect(parameterWords('offset_mm_rx_ma.q1')).toEqual({ name: 'offset rx, ma.q1', unit: 'mm' });
   });
   it('leave the heading, which keeps what it says', () => {
-    expect(headline('The beam misses the centre of rotation: the error goes with the tilts, offset_mm_rx -13 q1 (90 %: -17.1 to -8.88); q1: 285 nm rms, held-out U90 1.69e+03 -> 80.2 nm.'))
+    expect(headline('The beam misses the centre of rotation: the error goes with the tilts, offset rx -13 mm (q1) (90 %: -17.1 to -8.88); q1: 285 nm rms, held-out U90 1.69e+03 -> 80.2 nm.'))
       .toBe('The beam misses the centre of rotation: the error goes with the tilts');
-    expect(headline('The beam misses the centre of rotation: the error goes with the tilts, offset_mm_rx -13 ma.q1 (90 %: -17.1 to -8.88); ma.q1: 285 nm rms.'))
+    expect(headline('The beam misses the centre of rotation: the error goes with the tilts, offset rx -13 mm (ma.q1) (90 %: -17.1 to -8.88); ma.q1: 285 nm rms.'))
       .toBe('The beam misses the centre of rotation: the error goes with the tilts');
     expect(headline('Axis q2 has a play of 85 nm: it matters, from which side a point is approached.')).toBe('Axis q2 has a play of 85 nm: it matters, from which side a point is approached');
-    expect(turnLines('fitted model 4: q ~ poly(x, y, z, 2). The geometry needs terms in x:y that the simulation lacks, 3 degree; q1: 42 nm rms, held-out U90 77 -> 10.5 nm.. Q1 has play: it depends on the side it came from, width 23.4 nm (90 %: 17.3 to 29.5); q1: 2.61 nm rms. stopped: no lease'))
-      .toEqual(['Fitted model 4: q ~ poly(x, y, z, 2)', 'The geometry needs terms in x:y that the simulation lacks', 'Q1 has play: it depends on the side it came from', 'Stopped: no lease']);
+    expect(turnLines('fitted model 4: q ~ poly(x, y, z, 2). The geometry needs terms in x:y that the simulation lacks, 3 degree; q1: 42 nm rms, held-out U90 77 -> 10.5 nm. q1 has play: it depends on the side it came from, width 23.4 nm (90 %: 17.3 to 29.5); q1: 2.61 nm rms. stopped: no lease'))
+      .toEqual(['Fitted model 4: q ~ poly(x, y, z, 2)', 'The geometry needs terms in x:y that the simulation lacks', 'q1 has play: it depends on the side it came from', 'Stopped: no lease']);
     expect(headline('The robot follows t07 with a delay; q1: 84 nm rms, held-out U90 164 -> 61 nm.')).toBe('The robot follows t07 with a delay');
   });
 });

@@ -6,11 +6,8 @@
 
 #include <cmath>
 #include <random>
-#include <stdexcept>
 
-#include "server/diagnosis/growth/omnibus.h"
-#include "server/diagnosis/rows/problem.h"
-#include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/growth/left_by_a_parabola.h"
 
 namespace driftwise::diagnosis {
 namespace lines_of_the_plan_test {
@@ -40,13 +37,7 @@ OmnibusResult what_is_left(double warm_in, bool numbered, std::uint64_t seed) {
       data.columns[0].values.push_back(place + 5e-6 * (normal(random) + own * std::pow(0.5, i)));
     }
   }
-  const auto baseline = formats::Formula::parse("q1 ~ x + x^2")->expand(data);
-  const auto problem = lay_out(data, *baseline, 4000);
-  if (!problem) throw std::runtime_error(problem.error().message);
-  const Eigen::MatrixXd series = problem->learned(problem->outputs[0].measured);
-  Omnibus omnibus(*problem, series, {});
-  const Eigen::MatrixXd columns = problem->learned(problem->base_columns);
-  return *omnibus.test(SoftBase(columns), {});
+  return left_by_a_parabola(data);
 }
 
 // 0.8 of the noise over 216 rows: chi2 140.

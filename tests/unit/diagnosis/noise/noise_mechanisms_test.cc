@@ -220,7 +220,7 @@ TEST(NoiseThatGrowsAlongABeam, IsWeighedRowByRow) {
   const Dataset data = one_axis(7, 400, 20, grows);
   const auto problem = lay_out(data, baseline_of("q1 ~ x + x^2", data), 4000);
   ASSERT_TRUE(problem);
-  const Eigen::MatrixXd series = problem->learned(problem->outputs[0].measured);
+  const Eigen::MatrixXd series = problem->series();
   const Ground ground(problem->timeline, {{0, 1}}, problem->learned(problem->base_columns), series);
   const auto spread = spread_over_places(*problem, ground);
   ASSERT_TRUE(spread);
@@ -240,7 +240,7 @@ TEST(NoiseThatIsTheSameEverywhere, IsHardlyEverWeighedRowByRow) {
   for (unsigned seed = 100; seed < 300; ++seed) {
     const Dataset data = one_axis(seed, 200, 20, [](double) { return 5.0; });
     const auto problem = lay_out(data, baseline_of("q1 ~ x + x^2", data), 4000);
-    const Eigen::MatrixXd series = problem->learned(problem->outputs[0].measured);
+    const Eigen::MatrixXd series = problem->series();
     const Ground ground(problem->timeline, {{0, 1}}, problem->learned(problem->base_columns),
                         series);
     weighed += spread_over_places(*problem, ground) ? 1 : 0;

@@ -11,9 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "server/diagnosis/growth/omnibus.h"
-#include "server/diagnosis/rows/problem.h"
-#include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/growth/left_by_a_parabola.h"
 
 namespace driftwise::diagnosis {
 namespace random_field_test {  // other tests have rows of their own
@@ -123,14 +121,7 @@ double p_of_an_axis(double error_sd) {
     data.columns[0].values.push_back(4 * u);
     data.columns[1].values.push_back(4 * u + kNoiseMm * (error_sd * error + normal(random)));
   }
-  const auto baseline = formats::Formula::parse("q1 ~ x + x^2")->expand(data);
-  const auto problem = lay_out(data, *baseline, 4000);
-  if (!problem) throw std::runtime_error(problem.error().message);
-  const Eigen::MatrixXd series = problem->learned(problem->outputs[0].measured);
-  Omnibus omnibus(*problem, series, {});
-  const Eigen::MatrixXd columns = problem->learned(problem->base_columns);
-  const SoftBase base(columns);
-  return omnibus.test(base, {})->p;
+  return left_by_a_parabola(data).p;
 }
 
 // rms 0.88 of the noise over 192 rows: chi2 150.

@@ -148,7 +148,7 @@ TEST(ATouchingInstrument, WhoseSideTheMotorsWayTellsHasPlay) {
 
 // Of one series about nothing but a constant.
 std::optional<TwoSides> sides_of(const std::function<double(std::mt19937_64&, std::size_t)>& value,
-                                 const Eigen::MatrixXd& coordinates = {}) {
+                                 const Eigen::MatrixXd& channels = {}) {
   std::mt19937_64 random(11);
   constexpr Eigen::Index kLong = 400;
   Timeline timeline{Eigen::VectorXd::LinSpaced(kLong, 0, 1e4), std::vector<char>(kLong, 0), {}};
@@ -156,7 +156,7 @@ std::optional<TwoSides> sides_of(const std::function<double(std::mt19937_64&, st
   Eigen::MatrixXd series(kLong, 1);
   for (Eigen::Index i = 0; i < kLong; ++i)
     series(i, 0) = value(random, static_cast<std::size_t>(i));
-  return two_sides(timeline, SoftBase(Eigen::MatrixXd::Ones(kLong, 1)), series, coordinates);
+  return two_sides(timeline, SoftBase(Eigen::MatrixXd::Ones(kLong, 1)), series, channels);
 }
 
 TEST(TwoSides, AreFoundWithTheirDistance) {
@@ -178,6 +178,21 @@ TEST(TwoSides, ThatThePlaceTellsAreABumpOnTheGuide) {
   const auto value = [&](auto& random, auto i) { return (lifted(i) ? 8.0 : 0.0) + normal(random); };
   EXPECT_TRUE(sides_of(value));
   EXPECT_FALSE(sides_of(value, place));
+}
+
+// Weights put on and taken off between the points; the thermometer tells nothing.
+TEST(TwoSides, ThatTheLoadTellsAreARobotThatGivesWay) {
+  std::normal_distribution<double> normal;
+  std::mt19937_64 random(12);
+  const auto is_loaded = [](std::size_t i) { return i * i % 11 < 5; };
+  Eigen::MatrixXd channels(400, 2);
+  for (Eigen::Index i = 0; i < channels.rows(); ++i)
+    channels.row(i) << normal(random), is_loaded(static_cast<std::size_t>(i)) ? 2.0 : 0.5;
+  const auto value = [&](auto& noise, auto i) {
+    return (is_loaded(i) ? 8.0 : 0.0) + normal(noise);
+  };
+  EXPECT_TRUE(sides_of(value, channels.col(0)));
+  EXPECT_FALSE(sides_of(value, channels));
 }
 
 TEST(TwoSides, ThatThePlaceTellsOnlyMostlyAreSides) {

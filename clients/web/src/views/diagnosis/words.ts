@@ -46,13 +46,14 @@ export const before = (one: OutputDiscrepancy): number => one.a90ValidationBefor
 export const after = (one: OutputDiscrepancy): number => one.a90ValidationAfter ?? one.a90CalibrationAfter;
 
 const units: readonly [RegExp, string][] = [
-  [/_?nm_per_K_per_h$/, 'nm/(K/h)'], [/_?nm_per_N_per_mm$/, 'nm/(N mm)'], [/_?nm_per_K$/, 'nm/K'], [/_?nm_per_N$/, 'nm/N'],
-  [/_?nm_per_h$/, 'nm/h'], [/_?ppm_per_K$/, 'ppm/K'], [/_s$/, 's'], [/_nm$/, 'nm'], [/_mm$/, 'mm'], [/_arcsec$/, 'arcsec'], [/_h$/, 'h'], [/_mK$/, 'mK'],
+  [/_?nm_per_k_per_h$/, 'nm/(K/h)'], [/_?nm_per_n_per_mm$/, 'nm/(N mm)'], [/_?nm_per_k$/, 'nm/K'], [/_?nm_per_n$/, 'nm/N'],
+  [/_?nm_per_h$/, 'nm/h'], [/_?ppm_per_k$/, 'ppm/K'], [/_?ppm_per_h$/, 'ppm/h'], [/_?nm_per_hpa$/, 'nm/hPa'], [/_?ppm_per_hpa$/, 'ppm/hPa'], [/_?nm_per_pct$/, 'nm/%'], [/_?ppm_per_pct$/, 'ppm/%'], [/_?arcsec_per_k$/, 'arcsec/K'],
+  [/_?urad_per_m$/, 'urad/m'], [/_?urad_per_newton_m$/, 'urad/(N m)'], [/_s$/, 's'], [/_nm$/, 'nm'], [/_mm$/, 'mm'], [/_arcsec$/, 'arcsec'], [/_h$/, 'h'], [/_mK$/, 'mK'],
 ];
 
 // As the daemon writes rates that stand for several coordinates: "ppm_per_k_x_q1".
 const rates: readonly [string, string][] = [
-  ['nm_per_k_per_h_', 'nm/(K/h)'], ['nm_per_n_per_mm_', 'nm/(N mm)'], ['nm_per_k_', 'nm/K'], ['nm_per_n_', 'nm/N'], ['nm_per_h_', 'nm/h'], ['ppm_per_k_', 'ppm/K'],
+  ['nm_per_k_per_h_', 'nm/(K/h)'], ['nm_per_n_per_mm_', 'nm/(N mm)'], ['nm_per_k_', 'nm/K'], ['nm_per_n_', 'nm/N'], ['nm_per_h_', 'nm/h'], ['ppm_per_k_', 'ppm/K'], ['ppm_per_h_', 'ppm/h'], ['nm_per_hpa_', 'nm/hPa'], ['ppm_per_hpa_', 'ppm/hPa'], ['nm_per_pct_', 'nm/%'], ['ppm_per_pct_', 'ppm/%'],
 ];
 
 // "tau_s" -> name "tau", unit "s"; "offset_mm_rx_q1" -> name "offset rx, q1", unit "mm".
@@ -68,7 +69,7 @@ export function parameterWords(name: string): { name: string; unit: string } {
 
 // The daemon's sentence ends in all figures; the page has them in a table below.
 // A formula has commas and numbers of its own.
-export const headline = (sentence: string): string => (sentence.includes('~') ? sentence : sentence.split(/, (?:[A-Za-z][\w.]* )?-?\d[^,;]*(?=[,;.(]|$)|; [\w.]+: /)[0]).replace(/\.$/, '');
+export const headline = (sentence: string): string => (sentence.includes('~') ? sentence : sentence.split(/, (?:[A-Za-z][\w.]* ){0,3}-?\d[^,;]*(?=[,;.(]|$)|; [\w.]+: /)[0]).replace(/\.$/, '');
 
 // No more digits than the interval supports: two of its width.
 export function parameterText(value: number, interval: { low: number; high: number } | undefined): string {
@@ -82,7 +83,7 @@ export const sentenceCase = (text: string): string => (/^[a-z]{2,}([\s,:]|$)/.te
 
 // What a turn did, a sentence each, without the figures that stand in tables; sentences that differ in one name only are one.
 export function turnLines(what: string): string[] {
-  const lines = what.split(/\.+ (?=[A-Z]|stopped|\w+_\w+ \w+ cannot)/).map(headline).filter((line) => line !== '').map((line) => sentenceCase(withCauses(line)));
+  const lines = what.split(/\.+ (?=[A-Z]|stopped|[a-z]+\d* (?:has|is|sags|turns|heats) |\w+_\w+ \w+ cannot)/).map(headline).filter((line) => line !== '').map((line) => sentenceCase(withCauses(line)));
   const terms = /^The geometry needs terms in (\S+) that the simulation lacks$/;
   const needed = lines.flatMap((line) => terms.exec(line)?.[1] ?? []);
   if (needed.length < 2) return lines;

@@ -1,0 +1,71 @@
+// Effects as they come: two lost fringes in one night, a lever under a tilt that scatters, a wave
+// that the places cannot tell from others.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/diagnosis/everyday_axis.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(TwoJumps, AreBothNamedWhateverTheirSigns) {
+  for (const double second_mm : {60e-6, -60e-6, 150e-6}) {
+    EverydayAxis axis(1);
+    for (std::size_t row = 0; row < EverydayAxis::kRows; ++row)
+      axis.x_mm[row] += (row >= 150 ? 60e-6 : 0) + (row >= 333 ? second_mm : 0);
+    const auto found = axis.diagnosed();
+    ASSERT_THAT(names_found(found), ElementsAre("step_change x")) << second_mm;
+    std::vector<double> instants_s;
+    for (const auto& parameter : found.findings[0].parameters)
+      if (parameter.name.ends_with("time_s")) instants_s.push_back(parameter.value);
+    std::ranges::sort(instants_s);
+    ASSERT_EQ(instants_s.size(), 2U) << second_mm;
+    EXPECT_NEAR(instants_s[0], axis.time_s[150], 60);
+    EXPECT_NEAR(instants_s[1], axis.time_s[333], 60);
+    EXPECT_EQ(found.verdict, Verdict::extended);
+  }
+}
+
+// A block that was measured 600 nm off: the hour tells it, so that it is no tip's other side.
+TEST(ABlockOfRowsThatIsOff, HasTwoJumpsAndNoHysteresis) {
+  EverydayAxis axis(2);
+  for (std::size_t row = 150; row < 333; ++row) axis.x_mm[row] += 600e-6;
+  EXPECT_THAT(names_found(axis.diagnosed()), ElementsAre("step_change x"));
+}
+
+// 12 mm of lever: the measured pose scatters with the tilt, and geometry of that pose would know
+// it.
+TEST(ALever, IsNamedHoweverMuchTheTiltScatters) {
+  for (const double scatter_arcsec : {0.5, 2.0, 5.0}) {
+    EverydayAxis axis(3);
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    for (std::size_t row = 0; row < EverydayAxis::kRows; ++row) {
+      axis.ry_arcsec.push_back(scatter_arcsec * normal(random));
+      axis.x_mm[row] += 12 * axis.ry_arcsec[row] * std::numbers::pi / 648000;
+    }
+    const auto found = axis.diagnosed();
+    ASSERT_THAT(names_found(found), ElementsAre("abbe_offset x")) << scatter_arcsec;
+    EXPECT_NEAR(std::abs(found.findings[0].parameters[0].value), 12, 0.2);
+  }
+}
+
+// A wave of 0.8 mm read every 0.25 mm.
+TEST(AWave, StatesThePeriodsThatThePlacesCannotTellFromIt) {
+  EverydayAxis axis(5);
+  for (std::size_t row = 0; row < EverydayAxis::kRows; ++row)
+    axis.x_mm[row] += 15e-6 * std::sin(2 * std::numbers::pi * axis.q_mm[row] / 0.8);
+  const auto found = axis.diagnosed();
+  ASSERT_EQ(found.findings.size(), 1U);
+  EXPECT_EQ(found.findings[0].cause, "cyclic_error");
+  const auto& period = found.findings[0].parameters[0];
+  auto all = period.aliases;
+  all.push_back(period.value);
+  EXPECT_THAT(all, testing::Contains(testing::DoubleNear(800e3, 20e3)));
+}
+
+}  // namespace
+}  // namespace driftwise::diagnosis

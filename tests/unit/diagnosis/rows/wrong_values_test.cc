@@ -1,0 +1,58 @@
+// Wrong values that everyday data have: a thermometer that reads kelvins too much for a few rows, a
+// reading lost to zero, wrong rows that follow one another. Nothing else may get a name for them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/diagnosis/everyday_axis.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::vector<std::size_t> wrong_rows(const Diagnosis& found) {
+  for (const auto& finding : found.findings)
+    if (finding.cause == "outliers") return finding.rows;
+  return {};
+}
+
+TEST(AThermometer, ThatIsOffForTwoRowsIsToldAndNothingIsNamedForIt) {
+  EverydayAxis axis(1);
+  for (const std::size_t row : {50U, 51U}) axis.t01_degC[row] += 5;
+  const auto found = axis.diagnosed();
+  EXPECT_THAT(names_found(found), IsEmpty());
+  EXPECT_THAT(found.warnings, Contains(HasSubstr("t01 gives 2 values far off their neighbours")));
+}
+
+TEST(AThermometer, ThatIsOffForFiveRowsHasAFault) {
+  EverydayAxis axis(2);
+  for (std::size_t row = 250; row < 255; ++row) axis.t01_degC[row] += 1;
+  EXPECT_THAT(names_found(axis.diagnosed()), ElementsAre("sensor_fault t01"));
+}
+
+TEST(AReadingLostToZero, IsAWrongRowAndBendsNothingElse) {
+  for (const bool of_motor : {false, true}) {
+    EverydayAxis axis(3);
+    (of_motor ? axis.q_mm : axis.x_mm)[250] = 0;
+    const auto found = axis.diagnosed();
+    EXPECT_THAT(names_found(found), ElementsAre("outliers")) << of_motor;
+    EXPECT_THAT(wrong_rows(found), ElementsAre(250));
+    EXPECT_LT(found.outputs[0].u90_calibration_after, 10);  // 1.645 x 5 nm, and the row is out
+  }
+}
+
+// 80 nm, 16 standard deviations: four alone and two in succession.
+TEST(WrongRows, AreFoundOneByOneAndInSuccession) {
+  EverydayAxis axis(4);
+  for (const std::size_t row : {40U, 133U, 250U, 251U, 390U, 477U}) axis.x_mm[row] += 80e-6;
+  const auto found = axis.diagnosed();
+  EXPECT_THAT(names_found(found), ElementsAre("outliers"));
+  EXPECT_THAT(wrong_rows(found), ElementsAre(40, 133, 250, 251, 390, 477));
+}
+
+}  // namespace
+}  // namespace driftwise::diagnosis
