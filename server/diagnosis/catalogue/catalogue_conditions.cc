@@ -30,9 +30,9 @@ Cause of_robot(const std::string& id, const std::string& subject, LinearParamete
 }
 
 // Each product of a pose coordinate with this variable alone, and all together; a robot whose legs
-// turn as it moves answers in higher orders too, so all up to each further degree. A rotation
-// counts where the simulation reads it as pose: a stage turned by a linear motor has an arm that
-// grows.
+// turn as it moves answers in higher orders too, so all up to each further degree of which the
+// simulation has the geometry: x^2 times a temperature of 20 degC is x^2. A rotation counts where
+// the simulation reads it as pose: a stage turned by a linear motor has an arm that grows.
 void add_pose_products(CatalogueBuilder& builder, Cause cause, const Term& variable,
                        int highest_degree) {
   std::vector<Term> all;
@@ -40,7 +40,8 @@ void add_pose_products(CatalogueBuilder& builder, Cause cause, const Term& varia
     builder.add_terms(cause, {effects::product(power_term(axis), variable)}, kMissing);
   for (int degree = 1; degree <= highest_degree; ++degree) {
     for (const auto& monomial : monomials_of_degree(builder.axes(), degree))
-      all.push_back(effects::product(monomial, variable));
+      if (degree == 1 || builder.known(monomial))
+        all.push_back(effects::product(monomial, variable));
     builder.add_terms(cause, all, kMissing);
   }
   builder.take_cause(std::move(cause));
