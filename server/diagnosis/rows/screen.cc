@@ -10,6 +10,7 @@
 #include "server/diagnosis/noise/robust.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 #include "server/diagnosis/rows/places.h"
+#include "server/diagnosis/rows/sensor_changes.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -77,12 +78,15 @@ struct RunOff {
 // left: of every row of the dataset. least, agree: of the rows' index.
 template <typename Least, typename Agree>
 std::vector<RunOff> runs_off(const Eigen::VectorXd& left, const Least& least, const Agree& agree,
-                             const std::vector<std::size_t>& rows) {
+                             const std::vector<std::size_t>& rows,
+                             const std::vector<char>& after_a_pause) {
   const auto at = [&](std::size_t i) { return left[static_cast<Eigen::Index>(rows[i])]; };
   std::vector<RunOff> runs;
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
     const auto is_run = [&](std::size_t count) {
       const double before = at(i - 1), after = at(i + count), beside = (before + after) / 2;
+      if (count > 1 && (after_a_pause[rows[i]] != 0 || after_a_pause[rows[i + count]] != 0))
+        return false;  // the machine was another one meanwhile
       for (std::size_t k = i; k < i + count; ++k)
         if (!(std::abs(at(k) - beside) > least(k)) ||
             std::signbit(at(k) - beside) != std::signbit(at(i) - beside))
@@ -239,6 +243,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
   std::ranges::sort(rows);
   rows.erase(std::ranges::unique(rows).begin(), rows.end());
   std::set<std::size_t> wrong;
+  const auto pauses = after_a_pause(problem.data());
   for (const auto& output : problem.outputs) {
     const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
     const auto at = [&](std::size_t i) { return left[static_cast<Eigen::Index>(rows[i])]; };
@@ -259,8 +264,8 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
     };
     const auto runs = runs_off(
         left, [&](std::size_t i) { return std::max(kWrongRow * sd[i], least); },
-        [&](std::size_t i) { return kAgree * sd_across[i]; }, rows);
-    std::vector<char> tells(rows.size(), 1);  // nothing of a wrong row beside it
+        [&](std::size_t i) { return kAgree * sd_across[i]; }, rows, pauses);
+    std::vector<char> of_this(rows.size(), 0);
     double nearest = INFINITY;
     std::size_t count = 0;
     for (const RunOff& run : runs) {
@@ -268,18 +273,18 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
       for (std::size_t i = run.first; i < run.first + run.count; ++i)
         all_own = all_own && is_own(i);
       if (!all_own) continue;
-      for (std::size_t i = run.first - 1; i <= run.first + run.count; ++i) tells[i] = 0;
       for (std::size_t i = run.first; i < run.first + run.count; ++i) {
         const double off = std::abs(at(i) - run.beside);
         nearest = std::min(nearest, off);
         ++count;
+        of_this[i] = 1;
         found.push_back({rows[i], output.channel.symbol, off / sd[i]});
         wrong.insert(rows[i]);
       }
     }
     std::vector<double> others;
     for (std::size_t i = 1; i + 1 < rows.size(); ++i)
-      if (tells[i] != 0) others.push_back(apart[i]);
+      if (!of_this[i]) others.push_back(apart[i]);
     if (count > 0)
       p = std::min(
           p, static_cast<double>(problem.outputs.size()) *

@@ -46,11 +46,14 @@ double chance_frozen(const std::vector<double>& values, std::size_t length) {
       1.0, static_cast<double>(values.size()) * std::pow(often, static_cast<double>(length)));
 }
 
-constexpr std::size_t kLongestSpike = 10;  // rows: what lasts longer is frozen, or a jump
+constexpr std::size_t kLongestSpike = 5;  // rows
+constexpr double kFlat = 0.25;            // of a spike: how much its rows may differ
 
-// Of values one after the other that lie off the one before them and the one after, which agree;
-// p: of as many as these.
-std::vector<std::size_t> spiked_rows(const std::vector<double>& v, double& p) {
+// Of single values, and of runs of them, that lie off the one before and the one after, which
+// agree; p: of as many as these. A run is level and no pause lies at its ends: where a room warms
+// while the robot rests, temperatures come back along a ramp.
+std::vector<std::size_t> spiked_rows(const std::vector<double>& v,
+                                     const std::vector<char>& after_a_pause, double& p) {
   std::vector<double> apart(v.size(), 0);
   for (std::size_t i = 1; i + 1 < v.size(); ++i) apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
   const double usual = std::max(robust_sd(apart), resolution_of(v));
@@ -61,11 +64,14 @@ std::vector<std::size_t> spiked_rows(const std::vector<double>& v, double& p) {
   const auto is_spike = [&](std::size_t first, std::size_t count) {
     const double before = v[first - 1], after = v[first + count], beside = (before + after) / 2;
     const double own = v[first] - beside;
+    if (count > 1 && (after_a_pause[first] != 0 || after_a_pause[first + count] != 0)) return false;
     for (std::size_t k = first; k < first + count; ++k)
-      if (!(std::abs(v[k] - beside) > least) || std::signbit(v[k] - beside) != std::signbit(own))
+      if (!(std::abs(v[k] - beside) > least) ||
+          !(std::abs(v[k] - v[first]) <= kFlat * std::abs(own)))
         return false;
-    // Meanwhile the part itself may warm.
-    return std::abs(after - before) < std::max(least / 2, std::abs(own) / 4);
+    // While a run lasts the part itself may warm.
+    return std::abs(after - before) <
+           (count > 1 ? std::max(least / 2, kFlat * std::abs(own)) : least / 2);
   };
   for (std::size_t i = 1; i + 1 < v.size(); ++i)
     for (std::size_t count = 1; count <= kLongestSpike && i + count < v.size(); ++count) {
@@ -123,11 +129,12 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, do
   std::vector<FaultySensor> found;
   if (dataset.rows < kFewestRows) return found;
   std::vector<Sensor> sensors;
+  const auto pauses = after_a_pause(dataset);
   for (auto& column : dataset.columns) {
     if (!is_structure_temperature(column.channel)) continue;
     const auto frozen = frozen_rows(column.values);
     double p_spiked = 1, p_frozen = 1;
-    const auto spiked = spiked_rows(column.values, p_spiked);
+    const auto spiked = spiked_rows(column.values, pauses, p_spiked);
     for (const auto* rows : {&frozen, &spiked})
       for (const std::size_t row : *rows) column.values[row] = kMissing;
     if (!frozen.empty()) {

@@ -161,4 +161,16 @@ void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset
   std::ranges::sort(sensor.suspects);
 }
 
+std::vector<char> after_a_pause(const Dataset& dataset) {
+  constexpr double kPause = 2;  // usual steps
+  std::vector<char> result(dataset.rows, 0);
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < dataset.time_s.size(); ++i)
+    steps.push_back(dataset.time_s[i] - dataset.time_s[i - 1]);
+  if (steps.empty()) return result;
+  const double usual = median(steps);
+  for (std::size_t i = 0; i < steps.size(); ++i) result[i + 1] = steps[i] > kPause * usual ? 1 : 0;
+  return result;
+}
+
 }  // namespace driftwise::diagnosis

@@ -45,6 +45,10 @@ double level_change(const std::vector<double>& v, std::size_t row);
 // on warming, or cools again.
 bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size);
 
+// One per row: does more than twice the usual step of time lie before it? What changed meanwhile
+// changed at no instant. Untimed rows have no pause.
+std::vector<char> after_a_pause(const Dataset& dataset);
+
 // True: there are others, and none changes at this row beyond its noise.
 bool stands_alone(const std::vector<Sensor>& sensors, std::size_t sensor, std::size_t row);
 
