@@ -294,7 +294,7 @@ def check_story(weekend, entries, counts):
     for what, words in (("hold.begun", "hold room"), ("hold.ended", "hold room"), ("device.back", "scanner"),
                         ("run.restarted", ""), ("daemon.started", "")):
         check(any(one[0] == what and words in one[1] for one in events), "it tells of %s %s" % (what, words))
-    sentences = [one[1] for one in events] + [one["message"] for one in alarms]
+    sentences = [one[1] for one in events] + [one["message"] for one in alarms] + [hence for one in alarms for hence in one["consequences"]]
     check(any("disk is full" in one for one in sentences), "it tells of the full disk")
     check(all(story["closures"]) and len(story["closures"]) == 3, "each return to zero of sunday has its verdict")
     check(len(story["models"]) == 1 and story["models"][0]["residuals"] and not story["models"][0]["trouble"],
