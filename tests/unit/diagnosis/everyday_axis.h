@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <stdexcept>
+#include <string>
+#include <vector>
 
-#include "server/diagnosis/diagnose.h"
-#include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 
@@ -41,15 +41,7 @@ struct EverydayAxis {
     return data;
   }
 
-  Diagnosis diagnosed() const {
-    const Dataset data = dataset();
-    DiagnoseOptions options;
-    options.baseline = *formats::Formula::parse("q1 ~ x + x^2 + T")->expand(data);
-    options.nulls = 99;
-    auto found = diagnose(data, options);
-    if (!found) throw std::runtime_error(found.error().message);
-    return *found;
-  }
+  Diagnosis diagnosed() const { return diagnosis::diagnosed(dataset(), "q1 ~ x + x^2 + T"); }
 };
 
 inline std::vector<std::string> names_found(const Diagnosis& found) {

@@ -12,6 +12,7 @@
 #include "server/diagnosis/diagnose.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace foreign_mechanisms_test {  // other tests have rows of their own
@@ -52,15 +53,6 @@ Dataset dataset(const Rows& rows) {
                   {{"t01", "degC"}, rows.t1},
                   {{"t02", "degC"}, rows.t2}};
   return data;
-}
-
-Diagnosis diagnosed(const Dataset& data, const std::string& formula) {
-  DiagnoseOptions options;
-  options.baseline = *formats::Formula::parse(formula)->expand(data);
-  options.nulls = 99;
-  auto found = diagnose(data, options);
-  if (!found) throw std::runtime_error(found.error().message);
-  return *found;
 }
 
 std::vector<std::string> names_in(const Diagnosis& found) {

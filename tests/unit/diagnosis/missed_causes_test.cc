@@ -12,19 +12,11 @@
 #include "server/diagnosis/diagnose.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace missed_causes_test {  // other tests have rows of their own
 namespace {
-
-Diagnosis diagnosed(const Dataset& data, const std::string& formula) {
-  DiagnoseOptions options;
-  options.baseline = *formats::Formula::parse(formula)->expand(data);
-  options.nulls = 99;
-  auto found = diagnose(data, options);
-  if (!found) throw std::runtime_error(found.error().message);
-  return *found;
-}
 
 std::vector<std::string> names_in(const Diagnosis& found) {
   std::vector<std::string> names;

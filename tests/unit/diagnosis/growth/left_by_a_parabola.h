@@ -1,5 +1,5 @@
 #pragma once
-// What the omnibus test says of an axis that is described by a parabola.
+// Omnibus test of an axis that is described by a parabola.
 
 #include <stdexcept>
 

@@ -21,6 +21,7 @@
 #include "server/diagnosis/rows/spread_over_places.h"
 #include "server/diagnosis/search/column_bank.h"
 #include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace noise_mechanisms_test {  // other tests have rows of their own
@@ -28,15 +29,6 @@ namespace {
 
 calibration::Candidates baseline_of(const std::string& formula, const Dataset& data) {
   return *formats::Formula::parse(formula)->expand(data);
-}
-
-Diagnosis diagnosed(const Dataset& data, const std::string& formula) {
-  DiagnoseOptions options;
-  options.baseline = baseline_of(formula, data);
-  options.nulls = 99;
-  auto found = diagnose(data, options);
-  if (!found) throw std::runtime_error(found.error().message);
-  return *found;
 }
 
 std::vector<std::string> names_in(const Diagnosis& found) {

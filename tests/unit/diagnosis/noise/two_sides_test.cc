@@ -14,6 +14,7 @@
 #include "server/core/data/dataset.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace two_sides_test {  // other tests have rows of their own
@@ -79,15 +80,6 @@ Dataset measured(const Machine& machine, unsigned seed) {
                   {{"rx", "arcsec"}, pose[0]}, {{"ry", "arcsec"}, pose[1]}, {{"z", "mm"}, pose[2]},
                   {{"t01", "degC"}, t}};
   return data;
-}
-
-Diagnosis diagnosed(const Dataset& data, const std::string& formula) {
-  DiagnoseOptions options;
-  options.baseline = *formats::Formula::parse(formula)->expand(data);
-  options.nulls = 99;
-  auto found = diagnose(data, options);
-  if (!found) throw std::runtime_error(found.error().message);
-  return *found;
 }
 
 std::vector<std::string> causes_in(const Diagnosis& found) {

@@ -11,6 +11,7 @@
 
 #include "server/diagnosis/diagnose.h"
 #include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace jump_of_a_thermometer_test {
@@ -57,18 +58,9 @@ Dataset measured(unsigned seed, const Event& event) {
   return data;
 }
 
-Diagnosis diagnosed(const Dataset& data) {
-  DiagnoseOptions options;
-  options.baseline = *formats::Formula::parse("q1 ~ x + x^2 + T")->expand(data);
-  options.nulls = 99;
-  auto found = diagnose(data, options);
-  if (!found) throw std::runtime_error(found.error().message);
-  return *found;
-}
-
 std::vector<std::string> names_of(unsigned seed, const Event& event) {
   std::vector<std::string> names;
-  for (const auto& finding : diagnosed(measured(seed, event)).findings)
+  for (const auto& finding : diagnosed(measured(seed, event), "q1 ~ x + x^2 + T").findings)
     names.push_back(finding.cause + (finding.subject.empty() ? "" : " " + finding.subject));
   return names;
 }
