@@ -181,7 +181,7 @@ class Diagnoser {
     return {};
   }
 
-  // What was read beside the outputs, where no value is missing, and the order of the rows: rows
+  // Readings beside the outputs, where no value is missing, and the order of the rows: rows
   // that learn x k.
   Eigen::MatrixXd channels() const {
     const auto outputs = problem_.output_symbols();

@@ -410,7 +410,7 @@ Awaitable<Result<void>> ImprovementLoop::keep() {
 }
 
 void ImprovementLoop::say(const std::string& sentence) {
-  // What a finding says ends with its own full stop.
+  // A finding's sentence ends with its own full stop.
   if (!turn_.what.empty()) turn_.what += turn_.what.ends_with('.') ? " " : ". ";
   turn_.what += sentence;
 }

@@ -91,7 +91,7 @@ std::vector<char> Extension::allowed() const {
   std::vector<char> allowed(causes_.size(), 1);
   for (std::size_t c = 0; c < causes_.size(); ++c)
     if (ruled_out_[c] != 0 || forbidden_[c] != 0) allowed[c] = 0;
-  // Where a lag is strong, jumps spell out what its shape leaves: the first one may, more may not.
+  // A strong lag leaves what jumps spell out: the first jump may be named beside it, no second.
   const double least = kJumpsBesideValues * misfit().likelihood;
   for (const auto& one : named_) {
     const Cause& cause = causes_[one.cause];
@@ -397,6 +397,8 @@ std::vector<double> Extension::aliases_of(std::size_t index) const {
   const auto where =
       problem_.prepared.phase_values(wave->symbols.empty() ? std::string() : wave->symbols.front());
   std::vector<double> values(where.begin(), where.end());
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return {};
   if (cause.parameter == "period_nm")
     for (double& value : values) value = nm_from_mm(value);
   const auto [low, high] = std::ranges::minmax(values);

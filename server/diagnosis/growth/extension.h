@@ -90,7 +90,7 @@ class Extension {
   Result<void> withdraw_with_its_train(std::size_t index);
   // One of the named adds nothing to what is predicted of this output.
   void silence(std::size_t index, std::size_t output) { named_[index].share[output] = 0; }
-  // What one of the named gains where it acts, on the ground without it; but: nor on this output.
+  // Gain of one of the named where it acts, on the ground without it; but: nor on this output.
   Gain gain_where_it_acts(std::size_t index, const Ground& without,
                           std::optional<std::size_t> but = {}) const;
 
@@ -142,7 +142,7 @@ class Extension {
   // No amplitude is beyond the cause's range by more than twice its standard error.
   bool within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
                     const Ground& ground) const;
-  // What the strongest of the causes with values may leave, and its name.
+  // Likelihood that the strongest of the causes with values may leave, and its name.
   struct Misfit {
     double likelihood = -1e300;
     std::string of;

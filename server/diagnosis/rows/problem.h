@@ -56,7 +56,7 @@ struct Problem {
   std::vector<std::string> output_symbols() const;
   // One row per block of learning rows: the mean of every column. all: one row per dataset row.
   Eigen::MatrixXd learned(const Eigen::MatrixXd& all) const;
-  // What every output measured, one row per block of learning rows: rows x outputs, summary units.
+  // Readings of every output, one row per block of learning rows: rows x outputs, summary units.
   Eigen::MatrixXd series() const;
   // Leaves these rows of the dataset out of learning and judging.
   void leave_out(const std::vector<std::size_t>& rows);

@@ -27,7 +27,7 @@ class RecentInstants {
     return place;
   }
 
-  // What was solved is no longer true: the parameters changed, or a command was given.
+  // Nothing that was solved is true any longer: parameters changed, or a command was given.
   void forget() { count_ = next_ = 0; }
 
  private:
