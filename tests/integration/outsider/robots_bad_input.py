@@ -154,6 +154,28 @@ def read_back(cell):
     return [values.get(f"mn.q{i}_mm") for i in (1, 2, 3)]
 
 
+class Push:
+    """By how much the axes of the robot above are off the place where they came to rest, as an outsider reads it. The axes arrive
+    one by one, so a place counts once two readings, the second a later one, agree within 100 nm."""
+
+    def __init__(self, cell):
+        self.cell, self.before, self.rest = cell, None, None
+
+    def pressed_mm(self):
+        """The push when all axes give way alike, by 400 nm to 50 um; else None."""
+        now, before = read_back(self.cell), self.before
+        if None in now or now == before:
+            return None
+        self.before = now
+        if before is None or max(abs(a - b) for a, b in zip(now, before)) > 1e-4:
+            return None
+        push = [a - b for a, b in zip(now, self.rest or now)]
+        if self.rest is None or max(map(abs, push)) > 0.05 or max(push) - min(push) > 1e-4:
+            self.rest = now
+            return None
+        return push if min(map(abs, push)) > 4e-4 else None
+
+
 def lost_contact(cell, text):
     """The read-back of an axis shows no push any more while the contact is pressed."""
     for found, instead in (("press_mm = 0.00075", "press_mm = 0.02"), ("abort_nm = 1000.0", "abort_nm = 100000.0"),
@@ -169,22 +191,17 @@ def lost_contact(cell, text):
                                   env={**os.environ, "NO_COLOR": "1"})
         said = lambda: open(cell.path("indent.err"), encoding="utf-8").read()
         until("the zero's stage", lambda: "zero" in said() or "answered by" in said() and "accepted" in said() or client.poll() is not None, 400)
-        end, rest, pushed = time.monotonic() + 300, None, False
-        while client.poll() is None and time.monotonic() < end and not pushed:
-            now = read_back(cell)
-            if None in now:
-                continue
-            if rest is not None and all(abs(a - b) > 4e-4 and abs(a - b) < 0.05 for a, b in zip(now, rest)):
-                pushed = True
-                print(f"    pressed by {[round((a - b) * 1e6) for a, b in zip(now, rest)]} nm", flush=True)
-                cell.control(f"fault lie upper jump {-(now[0] - rest[0])}")
-            elif rest is None or any(abs(a - b) > 0.05 for a, b in zip(now, rest)):
-                rest = now
+        end, push, pressed = time.monotonic() + 300, Push(cell), None
+        while client.poll() is None and time.monotonic() < end and not pressed:
+            pressed = push.pressed_mm()
+        if pressed:
+            print(f"    pressed by {[round(one * 1e6) for one in pressed]} nm", flush=True)
+            cell.control(f"fault lie upper jump {-pressed[0]}")
         client.wait(300)
     cell.control("fault clear upper")
     print("    " + said().strip().splitlines()[-1], flush=True)
     error = json.loads([line for line in said().splitlines() if line.startswith("{")][-1])["error"]
-    check(pushed and client.returncode == REFUSED and error["reason"] == "CONTACT_LOST", f"a lost contact: exit {client.returncode}, {error['reason']}")
+    check(pressed and client.returncode == REFUSED and error["reason"] == "CONTACT_LOST", f"a lost contact: exit {client.returncode}, {error['reason']}")
     for part in ("The contact is lost", "see that tool and work-piece are fixed", "the same command goes on"):
         check(part in error["message"], f"  its sentence has {part!r}")
     shown = cell.ask("indent", "show", "1")
