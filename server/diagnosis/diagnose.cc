@@ -460,6 +460,8 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
           options.simulated.col(static_cast<Eigen::Index>(o));
   if (auto said = incomplete_rows(dataset, problem); !said.empty())
     whole.sentences.push_back(std::move(said));
+  for (const auto& [symbol, channel] : problem.prepared.coarse())
+    whole.sentences.push_back(channel.sentence);
   auto found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
   if (!found) return found;
   if (!dataset.set.empty() && std::ranges::count(dataset.set, PointSet::calibration) == 0)

@@ -375,14 +375,14 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
   return result;
 }
 
-Eigen::VectorXd Physics::shared_precision(const AmplitudePrior& prior,
+Eigen::VectorXd Physics::shared_precision(const Eigen::MatrixXd& prior_sd,
                                           const std::vector<double>& noise_sd) {
-  Eigen::VectorXd precision(prior.typical.rows());
+  Eigen::VectorXd precision(prior_sd.rows());
   for (Eigen::Index k = 0; k < precision.size(); ++k) {
     double sum = 0, count = 0;
-    for (Eigen::Index o = 0; o < prior.typical.cols(); ++o)
-      if (prior.typical(k, o) > 0) {
-        sum += 2 * std::log(noise_sd[static_cast<std::size_t>(o)] / prior.typical(k, o));
+    for (Eigen::Index o = 0; o < prior_sd.cols(); ++o)
+      if (prior_sd(k, o) > 0) {
+        sum += 2 * std::log(noise_sd[static_cast<std::size_t>(o)] / prior_sd(k, o));
         count += 1;
       }
     precision[k] = count > 0 ? std::exp(sum / count) : 1e300;

@@ -49,8 +49,9 @@ class Physics {
                        double parameter, const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
   // Prior variance over noise variance, as a precision, for columns of the simulation that all
   // outputs share: the geometric mean over the outputs where the cause acts.
-  // noise_sd: of a row, per output, with what is named in the simulation.
-  static Eigen::VectorXd shared_precision(const AmplitudePrior& prior,
+  // prior_sd: columns x outputs; 0: does not act. noise_sd: of a row, per output, with what is
+  // named in the simulation.
+  static Eigen::VectorXd shared_precision(const Eigen::MatrixXd& prior_sd,
                                           const std::vector<double>& noise_sd);
   double noise_sd(std::size_t output) const { return noise_sd_[output]; }
   // Of a shape that no physics describes: half the standard deviation of the noise at its largest.

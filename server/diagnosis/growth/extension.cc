@@ -63,18 +63,30 @@ SoftBase Extension::learned(std::optional<std::size_t> without) const {
 
 SoftBase Extension::all(std::optional<std::size_t> without) const {
   SoftBase base(problem_.base_columns, Eigen::VectorXd::Zero(problem_.base_columns.cols()));
+  if (const auto& [columns, sd] = problem_.hidden; columns.cols() > 0) {
+    base.columns = beside(base.columns, columns);
+    base.precision = (Eigen::VectorXd(base.columns.cols()) << base.precision,
+                      Physics::shared_precision(sd, noise_sd_))
+                         .finished();
+    base.hidden = columns.cols();
+  }
+  return with_named(std::move(base), without);
+}
+
+SoftBase Extension::with_named(SoftBase base, std::optional<std::size_t> without) const {
   for (std::size_t i = 0; i < named_.size(); ++i) {
     if (i == without) continue;
     base.columns = beside(base.columns, named_[i].all);
     Eigen::VectorXd precision(base.columns.cols());
-    precision << base.precision, Physics::shared_precision(named_[i].prior, noise_sd_);
+    precision << base.precision, Physics::shared_precision(named_[i].prior.typical, noise_sd_);
     base.precision = std::move(precision);
   }
   return base;
 }
 
 SoftBase Extension::described(std::size_t output, std::optional<std::size_t> without) const {
-  SoftBase base = all(without);
+  SoftBase base = with_named(
+      {problem_.base_columns, Eigen::VectorXd::Zero(problem_.base_columns.cols())}, without);
   Eigen::Index at = problem_.base_columns.cols();
   for (std::size_t i = 0; i < named_.size(); ++i) {
     if (i == without) continue;

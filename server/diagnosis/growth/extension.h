@@ -58,12 +58,12 @@ class Extension {
             Search& search, const Physics& physics, std::function<bool()> tick);
 
   const std::vector<Named>& named() const { return named_; }
-  // Baseline and named columns: one row per block, one row per row of the dataset. without: leaves
-  // one of the named out. Named columns have their cause's prior.
+  // Baseline, what its readings hide and named columns: one row per block, one row per row of the
+  // dataset. without: leaves one of the named out. Named columns have their cause's prior.
   SoftBase learned(std::optional<std::size_t> without = {}) const;
   SoftBase all(std::optional<std::size_t> without = {}) const;
-  // As all(), with the priors of one output: what is predicted of it. A cause that these data say
-  // does not act there adds nothing.
+  // With the priors of one output, and without what readings hide: what is predicted of it. A cause
+  // that these data say does not act there adds nothing.
   SoftBase described(std::size_t output, std::optional<std::size_t> without = {}) const;
   // Causes that are not named nor ruled out, and those named that may take a further value of their
   // parameter.
@@ -114,6 +114,7 @@ class Extension {
     AmplitudePrior prior;
     bool nameable = true;  // false: geometry does as well, so that it can be a rival only
   };
+  SoftBase with_named(SoftBase base, std::optional<std::size_t> without) const;
   Candidate refined(std::size_t cause, const Standing& standing, const Ground& ground) const;
   // values: of the parameter, the one at `at` to be tried.
   GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<Cell> values,

@@ -10,8 +10,6 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kFewestJudges = 20;
-
 struct Harm {
   std::size_t index = 0, output = 0;  // of the named
   double ratio = 1;

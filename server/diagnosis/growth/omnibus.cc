@@ -214,8 +214,10 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
                                         Eigen::MatrixXd(series_.rows(), more + with_data));
     for (Eigen::Index k = 0; k < more + with_data; ++k) {
       const Eigen::MatrixXd drawn =
-          with_data && k == 0 ? series_
-                              : simulated_noise(problem_.timeline, noise_, mixing, random);
+          with_data && k == 0
+              ? series_
+              : Eigen::MatrixXd(simulated_noise(problem_.timeline, noise_, mixing, random) +
+                                drawn_hidden(base, outputs, random));
       for (Eigen::Index o = 0; o < outputs; ++o)
         series[static_cast<std::size_t>(o)].col(k) = drawn.col(o);
     }

@@ -3,6 +3,7 @@
 // named causes, whose coefficients have a Gaussian prior about zero.
 
 #include <Eigen/Core>
+#include <random>
 
 namespace driftwise::diagnosis {
 
@@ -17,6 +18,9 @@ struct SoftBase {
   // One per column: (white noise's sd / prior sd)^2, in units of the column; 0: free. Empty: all
   // free. The free columns come first.
   Eigen::VectorXd precision;
+  // Of the columns with a prior the first so many are what readings hide: a series of noise has
+  // them too.
+  Eigen::Index hidden = 0;
 
   Eigen::Index free_count() const {
     Eigen::Index count = 0;
@@ -24,5 +28,9 @@ struct SoftBase {
     return count;
   }
 };
+
+// What readings hide, drawn from its prior: rows x outputs, in standard deviations of the white
+// noise. Zero where nothing is hidden; nothing is drawn then.
+Eigen::MatrixXd drawn_hidden(const SoftBase& base, Eigen::Index outputs, std::mt19937_64& random);
 
 }  // namespace driftwise::diagnosis

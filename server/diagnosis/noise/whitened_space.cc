@@ -92,6 +92,17 @@ SoftBase independent_base(const SoftBase& base) {
   result.columns << kept, base.columns.rightCols(soft);
   result.precision = Eigen::VectorXd::Zero(kept.cols() + soft);
   if (soft > 0) result.precision.tail(soft) = base.precision.tail(soft);
+  result.hidden = base.hidden;
+  return result;
+}
+
+Eigen::MatrixXd drawn_hidden(const SoftBase& base, Eigen::Index outputs, std::mt19937_64& random) {
+  std::normal_distribution<double> normal(0, 1);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(base.columns.rows(), outputs);
+  const Eigen::Index first = base.free_count();
+  for (Eigen::Index o = 0; o < outputs; ++o)
+    for (Eigen::Index k = first; k < first + base.hidden; ++k)
+      result.col(o) += normal(random) / std::sqrt(base.precision[k]) * base.columns.col(k);
   return result;
 }
 

@@ -11,8 +11,7 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kFewestJudges = 20;
-constexpr double kWorthSaying = 0.8;  // of the rms error as read, at the interval's upper end
+constexpr double kAtMost = 0.8;  // of the rms error as read, at the interval's upper end
 
 // The baseline's columns at the predicted pose, thermometers as read. No column: none reads one.
 Eigen::MatrixXd columns_as_read(const Problem& problem, const Dataset& readings) {
@@ -52,7 +51,7 @@ std::vector<std::string> worse_as_read(const Problem& problem, const Dataset& re
   for (const auto& output : problem.outputs) {
     const HeldOutRatio one =
         held_out_ratio(problem, output, SoftBase(columns), SoftBase(problem.base_columns));
-    if (!(one.ratio_ci90.high < kWorthSaying)) continue;
+    if (!(one.ratio_ci90.high < kAtMost)) continue;
     sentences.push_back(output.channel.symbol +
                         ": with the thermometers as they were read the baseline describes "
                         "rows held out to " +

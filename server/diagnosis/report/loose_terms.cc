@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/diagnosis/rows/held_out_gain.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kFewestJudges = 20;
 constexpr double kWorthSaying = 1;  // of the noise: more and the prediction is mostly coefficients
 constexpr double kEnough = 0.5;     // terms are named until so much is left
 constexpr double kAsLoose = 0.5;    // of what the loosest adds to the square

@@ -11,6 +11,9 @@
 
 namespace driftwise::diagnosis {
 
+// Judging rows from which a held-out figure decides anything.
+inline constexpr std::size_t kFewestJudges = 20;
+
 struct HeldOut {
   ErrorFigures before, after;               // of the judging rows
   Interval u90_after_ci90, a90_after_ci90;  // over blocks of them

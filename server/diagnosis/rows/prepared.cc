@@ -93,7 +93,9 @@ Eigen::VectorXd derivative_per_h(const std::vector<double>& time_s,
 
 Prepared Prepared::of(const Dataset& dataset) {
   Prepared prepared;
-  prepared.data_ = prepared.readings_ = dataset;
+  prepared.data_ = dataset;
+  prepared.coarse_ = estimate_between_steps(prepared.data_);
+  prepared.readings_ = prepared.data_;
   std::vector<double> clock = dataset.time_s;
   if (clock.empty())
     for (std::size_t i = 0; i < dataset.rows; ++i) clock.push_back(static_cast<double>(i));

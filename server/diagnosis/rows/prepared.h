@@ -7,12 +7,14 @@
 // same way, which matters where moves are short: they run on the path that the simulation predicts.
 
 #include <Eigen/Core>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "server/core/data/dataset.h"
 #include "server/core/result.h"
+#include "server/diagnosis/rows/coarse_readings.h"
 #include "server/effects/term.h"
 
 namespace driftwise::diagnosis {
@@ -31,6 +33,8 @@ class Prepared {
   const Dataset& conditions() const { return clocked_; }
 
   const Dataset& data() const { return data_; }
+  // Channels that are read in coarse steps, by symbol.
+  const std::map<std::string, CoarseChannel>& coarse() const { return coarse_; }
   // Every row's value of every term. Untimed data count their rows: whoever asks knows which terms
   // may be asked. A rate(T, tau s) over no more than a step and a half of the rows is the
   // derivative at the row: the filter of the formula takes noise out and is late by tau for it, and
@@ -43,6 +47,7 @@ class Prepared {
 
  private:
   Dataset readings_, data_, clocked_, at_places_, on_path_;
+  std::map<std::string, CoarseChannel> coarse_;
   double step_s_ = 0;  // typical, between rows
 };
 

@@ -36,6 +36,12 @@ struct Fold {
   std::vector<std::size_t> learn, judge;
 };
 
+// What the readings of the baseline's channels hide: columns with an amplitude about zero each.
+struct Hidden {
+  Eigen::MatrixXd columns;  // every row of the dataset
+  Eigen::MatrixXd sd;       // columns x outputs, in the output's summary unit
+};
+
 struct Problem {
   Prepared prepared;
   std::vector<std::size_t> learn;  // complete rows that the search works on, in time order
@@ -48,6 +54,7 @@ struct Problem {
   std::vector<ProblemOutput> outputs;
   std::vector<effects::Term> base;          // the constant and further datums first
   Eigen::MatrixXd base_columns;             // every row of the dataset, raw, at the predicted pose
+  Hidden hidden;                            // what coarse thermometers of the baseline hide
   std::vector<effects::Term> undetermined;  // of the baseline, left out: calibration/undetermined.h
   bool judged_by_validation = false;
   bool judged_in_turn = false;  // each block of time by a fit to the others; else rows kept apart

@@ -1,8 +1,10 @@
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "server/core/data/reading.h"
 #include "server/diagnosis/noise/robust.h"
+#include "server/diagnosis/rows/coarse_readings.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 #include "server/diagnosis/rows/jump_witnesses.h"
 #include "server/diagnosis/rows/screen.h"
@@ -44,6 +46,56 @@ double chance_frozen(const std::vector<double>& values, std::size_t length) {
   const double often = (same + 1) / (pairs + 2);
   return std::min(
       1.0, static_cast<double>(values.size()) * std::pow(often, static_cast<double>(length)));
+}
+
+constexpr double kMoved = 2;  // steps of a display, from which it cannot have stood still
+
+// Has the part moved while this display stood still in `frozen`? It has where the display comes
+// back elsewhere, or where the other thermometers foretell it from the rows around.
+bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double step,
+                     const std::vector<std::size_t>& frozen) {
+  const auto& own = column.values;
+  const std::size_t first = frozen.front(), last = frozen.back();
+  if (last + 1 < own.size() && std::abs(own[last + 1] - own[last]) >= kMoved * step) return true;
+  std::vector<const DatasetColumn*> others;
+  for (const auto& other : dataset.columns)
+    if (&other != &column && is_structure_temperature(other.channel)) others.push_back(&other);
+  const auto is_whole = [&](std::size_t row) {
+    return std::isfinite(own[row]) && std::ranges::all_of(others, [row](const auto* other) {
+             return std::isfinite(other->values[row]);
+           });
+  };
+  std::vector<std::size_t> outside, within;
+  for (std::size_t row = 0; row < own.size(); ++row)
+    if (is_whole(row)) (row < first || row > last ? outside : within).push_back(row);
+  if (others.empty() || outside.size() < kFewestRows || within.empty()) return false;
+  const auto columns = [&](const std::vector<std::size_t>& rows) {
+    Eigen::MatrixXd x = Eigen::MatrixXd::Ones(static_cast<Eigen::Index>(rows.size()),
+                                              static_cast<Eigen::Index>(others.size()) + 1);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t o = 0; o < others.size(); ++o)
+        x(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(o)) =
+            others[o]->values[rows[i]] - others[o]->values[outside.front()];
+    return x;
+  };
+  Eigen::VectorXd y(static_cast<Eigen::Index>(outside.size()));
+  for (std::size_t i = 0; i < outside.size(); ++i)
+    y[static_cast<Eigen::Index>(i)] = own[outside[i]] - own[first];
+  if (y.maxCoeff() - y.minCoeff() < kMoved * step) return false;  // they foretell nothing
+  const Eigen::VectorXd foretold =
+      columns(within) * columns(outside).colPivHouseholderQr().solve(y);
+  return foretold.maxCoeff() - foretold.minCoeff() >= kMoved * step;
+}
+
+// A display of tenths stands still for hours where nothing warms.
+std::vector<std::size_t> frozen_rows(const Dataset& dataset, const DatasetColumn& column) {
+  auto rows = frozen_rows(column.values);
+  if (rows.empty()) return rows;
+  std::vector<double> around = column.values;
+  for (const std::size_t row : rows) around[row] = kMissing;
+  const double step = display_step(around, kWidestDisplay_K);
+  if (step > 0 && !moved_meanwhile(dataset, column, step, rows)) rows.clear();
+  return rows;
 }
 
 constexpr std::size_t kLongestSpike = 5;  // rows
@@ -132,7 +184,7 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, do
   const auto pauses = after_a_pause(dataset);
   for (auto& column : dataset.columns) {
     if (!is_structure_temperature(column.channel)) continue;
-    const auto frozen = frozen_rows(column.values);
+    const auto frozen = frozen_rows(dataset, column);
     double p_spiked = 1, p_frozen = 1;
     const auto spiked = spiked_rows(column.values, pauses, p_spiked);
     for (const auto* rows : {&frozen, &spiked})

@@ -148,7 +148,9 @@ std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& 
         outputs, Eigen::MatrixXd(series_.rows(), more + (with_data ? 1 : 0)));
     for (Eigen::Index k = 0; k < series.front().cols(); ++k) {
       const Eigen::MatrixXd drawn =
-          with_data && k == 0 ? series_ : simulated_noise(timeline_, noise, mixing, random);
+          with_data && k == 0 ? series_
+                              : Eigen::MatrixXd(simulated_noise(timeline_, noise, mixing, random) +
+                                                drawn_hidden(base, series_.cols(), random));
       for (std::size_t o = 0; o < outputs; ++o)
         series[o].col(k) = drawn.col(static_cast<Eigen::Index>(o));
     }
