@@ -312,8 +312,9 @@ class Diagnoser {
                                  p_text + ")");
     }
     for (const auto& finding : result_.findings)
-      if (auto note = aliases_note(finding); !note.empty())
-        result_.warnings.push_back(std::move(note));
+      for (const auto& note :
+           {aliases_note(finding), follows_an_output_note(finding, problem_.output_symbols())})
+        if (!note.empty()) result_.warnings.push_back(note);
     for (const auto& division : divisions_of(problem_, causes_, extension))
       result_.warnings.push_back(sentence(division));
     for (auto& said : thermal_causes_of_instruments(problem_, causes_, extension))
@@ -460,8 +461,8 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
           options.simulated.col(static_cast<Eigen::Index>(o));
   if (auto said = incomplete_rows(dataset, problem); !said.empty())
     whole.sentences.push_back(std::move(said));
-  for (const auto& [symbol, channel] : problem.prepared.coarse())
-    whole.sentences.push_back(channel.sentence);
+  for (auto& said : coarse_notes(problem.prepared.coarse()))
+    whole.sentences.push_back(std::move(said));
   auto found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
   if (!found) return found;
   if (!dataset.set.empty() && std::ranges::count(dataset.set, PointSet::calibration) == 0)

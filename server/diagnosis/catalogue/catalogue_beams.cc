@@ -194,16 +194,20 @@ std::vector<std::string> tilts_across(const CatalogueBuilder& builder, const std
 }
 
 // What turns is as long as the beam, and that begins somewhere before x = 0: the tilt alone may
-// come with the product.
+// come with the product. A beam that stands square loses the tilt's square, mostly of the path
+// before x = 0.
 void add_turned(CatalogueBuilder& builder, const std::string& axis) {
   Cause cause = of_instrument("cosine_error", axis, LinearParameter::angle_arcsec);
-  std::vector<Term> all;
+  std::vector<Term> all, squares;
   for (const auto& tilt : tilts_across(builder, axis)) {
     all.push_back(effects::product(power_term(axis), power_term(tilt)));
+    squares.push_back(power_term(tilt, 2));
     builder.add_terms(cause, {all.back()}, kMissing);
     builder.add_terms(cause, {all.back(), power_term(tilt)}, kMissing);
+    builder.add_terms(cause, {squares.back()}, kMissing);
   }
   builder.add_terms(cause, all, kMissing);
+  builder.add_terms(cause, squares, kMissing);
   builder.take_cause(std::move(cause));
 }
 

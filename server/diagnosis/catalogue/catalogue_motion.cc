@@ -12,6 +12,7 @@ using effects::AppliesTo;
 using effects::Term;
 
 constexpr double kWidestPlayNm = 1e5, kNarrowestPlayNm = 10;
+constexpr double kNarrowestPlay = 0.01;  // of a quarter of the stroke
 // 10 nm and 100 um at a radius of 1 m and of 0.2 m.
 constexpr double kWidestPlay_arcsec = 100, kNarrowestPlay_arcsec = 0.002;
 
@@ -64,9 +65,11 @@ void add_motion(CatalogueBuilder& builder) {
     Cause play = of_motor("backlash", q, angle ? "width_arcsec" : "width_nm");
     if (!angle) play.linear = LinearParameter::width_nm;
     play.outputs = {q};
-    const double narrowest = angle ? kNarrowestPlay_arcsec : kNarrowestPlayNm;
     const double widest = angle ? kWidestPlay_arcsec : kWidestPlayNm;
     const double quarter = (angle ? builder.range(q) : nm_from_mm(builder.range(q))) / 4;
+    // A stage of a hundred nanometres has a play of less than one.
+    const double narrowest =
+        std::min(angle ? kNarrowestPlay_arcsec : kNarrowestPlayNm, kNarrowestPlay * quarter);
     builder.add_values(play, log_grid(narrowest, std::clamp(quarter, 2 * narrowest, widest)),
                        [&](double width) {
                          return std::vector<Term>{call_term("play", {q}, {{width, unit}})};

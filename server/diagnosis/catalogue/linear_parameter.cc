@@ -47,6 +47,11 @@ LinearNumber of_air(const effects::Term& term) {
 
 }  // namespace
 
+bool is_square(const effects::Term& term) {
+  const auto* power = std::get_if<effects::Power>(&term.factors.front());
+  return term.factors.size() == 1 && power != nullptr && power->exponent == 2;
+}
+
 LinearNumber linear_number(LinearParameter parameter, const effects::Term& term, double value) {
   switch (parameter) {
     case LinearParameter::none:
@@ -68,6 +73,7 @@ LinearNumber linear_number(LinearParameter parameter, const effects::Term& term,
     case LinearParameter::offset_mm:  // nm per arcsec
       return {"offset_mm", 1 / (kRadPerArcsec * kNmPerMm)};
     case LinearParameter::angle_arcsec:  // nm per mm and arcsec; a tilt alone is the beam's start
+      if (is_square(term)) return {"dead_path_mm", 2 / (kRadPerArcsec * kRadPerArcsec * kNmPerMm)};
       if (term.factors.size() < 2) return {};
       return {"angle_arcsec", 1 / (kRadPerArcsec * kRadPerArcsec * kNmPerMm)};
     case LinearParameter::dead_path_mm:  // nm per ppm

@@ -13,6 +13,8 @@ struct LinearNumber {
   double factor = 1;  // number = factor x coefficient in nm per unit of the term
 };
 
+bool is_square(const effects::Term& term);  // of one channel, and nothing else
+
 // term: one of the finding's, at its best parameter.
 LinearNumber linear_number(LinearParameter parameter, const effects::Term& term, double value);
 

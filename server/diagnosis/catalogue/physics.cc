@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "server/core/units.h"
+#include "server/diagnosis/catalogue/linear_parameter.h"
 #include "server/diagnosis/noise/robust.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 #include "server/effects/term_order.h"
@@ -176,9 +177,9 @@ std::span<const PhysicsRecord> physics_table() {
        "interferometers 1 to 10 nm, scales 0.1 % of the pitch"},
       {"abbe_offset", "mm", "20, or a third of what the cell allows",
        "what the cell allows (u_offset_mm)", "centre of a mirror"},
-      {"cosine_error", "arcsec",
+      {"cosine_error", "arcsec; mm of path before x = 0 with the tilts' squares",
        "a third of the angle at which the beam leaves a 6 mm aperture, 1200 at most; beam 500 mm",
-       "3 x", "the returning beam walks by 2 angle x stroke"},
+       "3 x; 10 x", "the returning beam walks by 2 angle x stroke"},
       {"refractive_index", "mm of dead path; share of the path measured", "100; 1",
        "10 x; the whole", "Birch and Downs 1994"},
       {"instrument_drift", "nm/h; ppm/h", "50 or 3 sigma over the duration; 1", "20 x",
@@ -315,6 +316,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
     return kLever_mm * kRadPerArcsec * kNmPerMm;
   }
   if (id == "cosine_error") {
+    if (is_square(term)) return kRadPerArcsec * kRadPerArcsec * kNmPerMm * kBeam_mm / 2;
     const double lost_arcsec =
         kBeamWalk_mm / (2 * std::max(longest_stroke_mm_, 1e-3)) / kRadPerArcsec;
     const double arcsec = kOfWorstBeam * std::min(lost_arcsec, kWorstMount_arcsec);
@@ -342,7 +344,7 @@ double Physics::range_factor(const Cause& cause, const effects::Term& term,
   if (id == "step_change") return kUnlimited;
   if (id.starts_with("force_") || id == "backlash" || id == "creep") return 50;
   if (id == "instrument_drift") return 20;
-  if (id == "cosine_error") return 1 / kOfWorstBeam;
+  if (id == "cosine_error") return is_square(term) ? 10 : 1 / kOfWorstBeam;
   // Share of the measured path: at most the whole, of an instrument that corrects nothing.
   if (id == "refractive_index" && read_by(term, kAxes) >= 0) return 1;
   if (id == "cyclic_error" || id == "periodic_disturbance" || id == "refractive_index") return 10;

@@ -6,6 +6,8 @@
 
 #include "server/core/channel.h"
 #include "server/core/text/quantity_text.h"
+#include "server/effects/direct_symbols.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -215,6 +217,20 @@ std::string aliases_note(const Finding& finding) {
       text += (i == 0 ? "" : ", ") + quantity_text(parameter.aliases[i], words.unit, 4);
     return text + "; a scan between the positions tells them apart";
   }
+  return "";
+}
+
+std::string follows_an_output_note(const Finding& finding,
+                                   const std::vector<std::string>& outputs) {
+  for (const auto& term : finding.terms)
+    for (const auto& symbol : effects::symbols_read_at_once(term))
+      if (std::ranges::find(outputs, symbol) != outputs.end())
+        return effects::notation(term) + " follows " + symbol +
+               ", which stands on the left of the formula: a fit does not take it. " +
+               (is_motor_symbol(symbol)
+                    ? "Correct the scale of that motor in its controller, measure and diagnose "
+                      "again"
+                    : "Correct the readings of " + symbol + ", and diagnose again");
   return "";
 }
 

@@ -15,4 +15,8 @@ std::string size_text(double value, const std::string& unit);  // three digits: 
 // Periods that the places cannot tell from the finding's; empty where there are none.
 std::string aliases_note(const Finding& finding);
 
+// Of a finding whose terms follow what the baseline predicts: no formula of that output can have
+// them. Empty where there are none.
+std::string follows_an_output_note(const Finding& finding, const std::vector<std::string>& outputs);
+
 }  // namespace driftwise::diagnosis

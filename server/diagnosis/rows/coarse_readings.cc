@@ -333,12 +333,31 @@ std::map<std::string, CoarseChannel> estimate_between_steps(Dataset& data) {
     if (!(step > 0)) continue;
     Course course = between_steps(clock, values, step);
     values = std::move(course.values);
-    const std::string unit = channel.unit == "degC" ? "K" : channel.unit;
-    coarse[channel.symbol] = {step, std::move(course.unsure),
-                              channel.name() + " is read in steps of " + digits_text(step) + " " +
-                                  unit + ": its course between them is estimated"};
+    coarse[channel.symbol] = {step, std::move(course.unsure)};
   }
   return coarse;
+}
+
+std::vector<std::string> coarse_notes(const std::map<std::string, CoarseChannel>& coarse) {
+  constexpr std::size_t kMostNamed = 3;
+  std::map<std::string, std::vector<std::string>> by_step;
+  for (const auto& [symbol, channel] : coarse) {
+    const char* unit = symbol == "pressure" ? " hPa" : symbol == "humidity" ? " %" : " K";
+    by_step[digits_text(channel.step) + unit].push_back(symbol);
+  }
+  std::vector<std::string> notes;
+  for (const auto& [step, symbols] : by_step) {
+    const std::size_t named = symbols.size() > kMostNamed + 1 ? kMostNamed : symbols.size();
+    std::string text;
+    for (std::size_t i = 0; i < named; ++i)
+      text += (i == 0 ? "" : i + 1 == symbols.size() ? " and " : ", ") + symbols[i];
+    if (named < symbols.size())
+      text += " and " + std::to_string(symbols.size() - named) + " others";
+    notes.push_back(text + (symbols.size() == 1 ? " is" : " are") + " read in steps of " + step +
+                    (symbols.size() == 1 ? ": its course" : ": their course") +
+                    " between them is estimated");
+  }
+  return notes;
 }
 
 }  // namespace driftwise::diagnosis

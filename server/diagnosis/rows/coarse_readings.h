@@ -39,10 +39,12 @@ Course between_steps(std::span<const double> time_s, const std::vector<double>& 
 struct CoarseChannel {
   double step = 0;
   Eigen::MatrixXd unsure;
-  std::string sentence;
 };
 // Puts the course in place of every coarse temperature and reading of the air; of these by symbol.
 // In the catalogue's units.
 std::map<std::string, CoarseChannel> estimate_between_steps(Dataset& data);
+
+// "t01, t02 and 7 others are read in steps of 0.01 K: ..."; one per step, none of none.
+std::vector<std::string> coarse_notes(const std::map<std::string, CoarseChannel>& coarse);
 
 }  // namespace driftwise::diagnosis

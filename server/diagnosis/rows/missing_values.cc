@@ -61,6 +61,15 @@ std::string rows_text(std::size_t count, std::size_t rows) {
   return std::to_string(count) + " of " + std::to_string(rows) + " rows";
 }
 
+// The same instant and the same value of every channel as in the row before: no second measurement.
+bool repeats_the_row_before(const Dataset& data, std::size_t row) {
+  if (data.time_s.empty() || row == 0 || data.time_s[row] != data.time_s[row - 1]) return false;
+  return std::ranges::all_of(data.columns, [row](const DatasetColumn& column) {
+    const double before = column.values[row - 1], value = column.values[row];
+    return value == before || (std::isnan(value) && std::isnan(before));
+  });
+}
+
 }  // namespace
 
 WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& conditions) {
@@ -87,10 +96,17 @@ WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& condition
   // Those that few rows lack first: each may add rows until too many would go.
   std::ranges::stable_sort(lacking, {}, [](const Lacking& one) { return one.rows.size(); });
   std::vector<std::uint8_t> gone(data.rows, 0);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    gone[row] = repeats_the_row_before(data, row) ? 1 : 0;
+  const auto repeated = static_cast<std::size_t>(std::ranges::count(gone, 1));
+  if (repeated > 0)
+    result.sentences.push_back(rows_text(repeated, data.rows) +
+                               " repeat the row before in every value, its time included, and were "
+                               "left out");
   for (const auto& one : lacking) {
     auto with = gone;
     for (const std::size_t row : one.rows) with[row] = 1;
-    if (static_cast<double>(std::ranges::count(with, 1)) >
+    if (static_cast<double>(std::ranges::count(with, 1)) - static_cast<double>(repeated) >
         kMostRows * static_cast<double>(data.rows)) {
       result.unread.push_back(one.symbol);
       result.sentences.push_back(rows_text(one.rows.size(), data.rows) + " have no value of " +

@@ -1,7 +1,7 @@
 #pragma once
 // Conditions that some rows have no value of. A scanner that answers every tenth row has a
 // temperature in between; a load cell that fell out for an hour has none, and a column's mean in
-// its place would be a reading of something else.
+// its place would be a reading of something else. And rows that are there twice.
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ namespace driftwise::diagnosis {
 
 struct WithoutGaps {
   // Short gaps of temperatures and air are closed along straight lines in time; rows that still
-  // lack a condition are excluded where they are few.
+  // lack a condition are excluded where they are few, and those that repeat the row before.
   Dataset data;
   // Symbols that more rows lack than can be spared: nothing reads them.
   std::vector<std::string> unread;

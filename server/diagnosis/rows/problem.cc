@@ -13,6 +13,7 @@
 #include "server/core/try.h"
 #include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/rows/held_out_gain.h"
+#include "server/diagnosis/rows/hidden_readings.h"
 #include "server/diagnosis/rows/predicted_pose.h"
 #include "server/diagnosis/rows/rows_needed.h"
 #include "server/effects/term_order.h"
@@ -247,65 +248,6 @@ Result<void> lay_on_prediction(Problem& problem) {
   return {};
 }
 
-// True: its value at a row is that of these channels at that row.
-bool is_pointwise(const effects::Term& term) {
-  return std::ranges::all_of(term.factors, [](const effects::Factor& factor) {
-    return std::holds_alternative<effects::Power>(factor);
-  });
-}
-
-// What the course of a coarse thermometer leaves unknown acts through every term that reads it, by
-// the baseline's coefficient. Kept where it is more than a tenth of what noise is in that
-// direction.
-Result<void> add_hidden(Problem& problem) {
-  constexpr double kWorthKeeping = 0.1;
-  if (problem.prepared.coarse().empty()) return {};
-  const Eigen::MatrixXd learned = rows_of(problem.base_columns, problem.learn);
-  const Eigen::RowVectorXd inverse = learned.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(learned * inverse.asDiagonal());
-  Eigen::MatrixXd b(problem.base_columns.cols(), static_cast<Eigen::Index>(problem.outputs.size()));
-  Eigen::VectorXd noise(b.cols());
-  for (Eigen::Index o = 0; o < b.cols(); ++o) {
-    const Eigen::VectorXd y =
-        rows_of(problem.outputs[static_cast<std::size_t>(o)].measured, problem.learn);
-    b.col(o) = inverse.transpose().cwiseProduct(qr.solve(y));
-    const Eigen::VectorXd left = y - learned * b.col(o);
-    const Eigen::Index pairs = left.size() - 1;
-    noise[o] = (left.tail(pairs) - left.head(pairs)).norm() / std::sqrt(2.0 * double(pairs));
-  }
-  std::vector<Eigen::VectorXd> columns, sds;
-  for (const auto& [symbol, channel] : problem.prepared.coarse()) {
-    const auto values = problem.prepared.conditions().values_of(symbol);
-    Prepared further = problem.prepared;
-    std::vector<double> shifted(values.begin(), values.end());
-    for (double& value : shifted) value += channel.step;
-    further.set_coordinate(symbol, shifted);
-    for (std::size_t t = 0; t < problem.base.size(); ++t) {
-      const auto& term = problem.base[t];
-      if (!reads({term}, symbol) || !is_pointwise(term)) continue;
-      DRIFTWISE_TRY(const auto at, problem.prepared.columns({term}));
-      DRIFTWISE_TRY(const auto beyond, further.columns({term}));
-      const Eigen::VectorXd per_unit = (beyond - at).col(0) / channel.step;
-      for (Eigen::Index k = 0; k < channel.unsure.cols(); ++k) {
-        Eigen::VectorXd column = per_unit.cwiseProduct(channel.unsure.col(k));
-        const Eigen::VectorXd sd = b.row(static_cast<Eigen::Index>(t)).transpose().cwiseAbs();
-        const double length = rows_of(column, problem.learn).norm();
-        if (!((sd * length).cwiseQuotient(noise).maxCoeff() > std::sqrt(kWorthKeeping))) continue;
-        columns.push_back(std::move(column));
-        sds.push_back(sd);
-      }
-    }
-  }
-  auto& [all, sd] = problem.hidden;
-  all.resize(problem.base_columns.rows(), static_cast<Eigen::Index>(columns.size()));
-  sd.resize(all.cols(), b.cols());
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    all.col(static_cast<Eigen::Index>(k)) = columns[k];
-    sd.row(static_cast<Eigen::Index>(k)) = sds[k].transpose();
-  }
-  return {};
-}
-
 }  // namespace
 
 bool is_coordinate(const Problem& problem, const Channel& channel) {
@@ -413,7 +355,8 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
   DRIFTWISE_RETURN_IF_ERROR(check_variation(problem));
   leave_out_undetermined(problem, always);
   if (predict_coordinates(problem)) DRIFTWISE_RETURN_IF_ERROR(lay_on_prediction(problem));
-  DRIFTWISE_RETURN_IF_ERROR(add_hidden(problem));
+  DRIFTWISE_TRY(auto hidden, hidden_in(problem));
+  problem.hidden = std::move(hidden);
   problem.lay_blocks(longest);
   return problem;
 }

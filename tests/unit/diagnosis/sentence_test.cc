@@ -51,5 +51,13 @@ TEST(Sentence, NamesThePeriodsThatThePlacesCannotTellFromIt) {
   EXPECT_EQ(aliases_note(with("period_nm", 125000)), "");
 }
 
+TEST(Sentence, SaysWhichTermsNoFormulaOfTheOutputCanHave) {
+  Finding finding = with("period_nm", 256);
+  finding.terms = {effects::Term{{effects::Call{"sin", {"q1"}, {{256, "nm"}}}}}};
+  EXPECT_THAT(follows_an_output_note(finding, {"q1"}),
+              testing::StartsWith("sin(q1, 256 nm) follows q1, which stands on the left"));
+  EXPECT_EQ(follows_an_output_note(finding, {"x"}), "");
+}
+
 }  // namespace
 }  // namespace driftwise::diagnosis

@@ -53,6 +53,21 @@ TEST(ALever, IsNamedHoweverMuchTheTiltScatters) {
   }
 }
 
+// A beam that begins 500 mm before x = 0 and stands square: the path on a mirror that turns by up to
+// 60 arcsec is (x + 500 mm)(1 - cos).
+TEST(ABeamOnAMirrorThatTurns, HasTheLengthOfItsPath) {
+  EverydayAxis axis(6);
+  for (std::size_t row = 0; row < EverydayAxis::kRows; ++row) {
+    axis.ry_arcsec.push_back(60 * std::sin(axis.time_s[row] / 5000));
+    const double angle = axis.ry_arcsec[row] * std::numbers::pi / 648000;
+    axis.x_mm[row] += (axis.q_mm[row] + 500) * (1 - std::cos(angle));
+  }
+  const auto found = axis.diagnosed();
+  ASSERT_THAT(names_found(found), ElementsAre("cosine_error x"));
+  EXPECT_EQ(found.findings[0].parameters[0].name, "dead_path_mm");
+  EXPECT_NEAR(std::abs(found.findings[0].parameters[0].value), 500, 50);
+}
+
 // A wave of 0.8 mm read every 0.25 mm.
 TEST(AWave, StatesThePeriodsThatThePlacesCannotTellFromIt) {
   EverydayAxis axis(5);

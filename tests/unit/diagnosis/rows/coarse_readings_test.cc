@@ -91,7 +91,7 @@ TEST(AThermometerOfTenths, RaisesNoFalseCause) {
       const auto found = axis_with_a_display(seed, nm_per_K).diagnosed();
       EXPECT_THAT(names_found(found), IsEmpty()) << nm_per_K << " nm/K, seed " << seed;
       EXPECT_EQ(found.verdict, Verdict::adequate) << nm_per_K << " nm/K, seed " << seed;
-      EXPECT_THAT(found.warnings, Contains(HasSubstr("t01_degC is read in steps of 0.1 K")));
+      EXPECT_THAT(found.warnings, Contains(HasSubstr("t01 is read in steps of 0.1 K")));
     }
 }
 

@@ -76,6 +76,25 @@ TEST(MissingValues, OfMoreRowsThanCanBeSparedLeaveTheChannelOut) {
   EXPECT_TRUE(closed.data.excluded.empty());
 }
 
+// As of two exports that overlap, sorted by time.
+TEST(RowsThatAreThereTwice, CountOnce) {
+  const Dataset once = loaded_and_warm();
+  Dataset twice = once;
+  twice.rows = 2 * kGapRows;
+  twice.time_s.clear();
+  for (auto& column : twice.columns) column.values.clear();
+  for (std::size_t row = 0; row < kGapRows; ++row)
+    for (int copy = 0; copy < 2; ++copy) {
+      twice.time_s.push_back(once.time_s[row]);
+      for (std::size_t c = 0; c < once.columns.size(); ++c)
+        twice.columns[c].values.push_back(once.columns[c].values[row]);
+    }
+  const auto whole = without_gaps(twice, {"t01", "force"});
+  EXPECT_EQ(std::ranges::count(whole.data.excluded, 1), kGapRows);
+  EXPECT_THAT(whole.sentences, testing::ElementsAre(testing::HasSubstr(
+                                   "120 of 240 rows repeat the row before in every value")));
+}
+
 TEST(MissingValues, HideNoCause) {
   Dataset data = loaded_and_warm();
   for (std::size_t row = 0; row < kGapRows; ++row) {
