@@ -169,7 +169,15 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                              named.learned.col(column).norm();
       }
     }
-    finding.subject = axis_of(problem, sizes, noise_sd).symbol;
+    const AlongAxis axis = axis_of(problem, sizes, noise_sd);
+    finding.subject = axis.symbol;
+    // One leg of six that slips, or whose counter loses counts, moves no pose coordinate alone.
+    const Eigen::VectorXd shares = (noise_sd.cwiseInverse().asDiagonal() * sizes).rowwise().norm();
+    Eigen::Index strongest = 0;
+    const double most = shares.maxCoeff(&strongest);
+    if (cause.applies_to == effects::AppliesTo::dataset && axis.alike <= kOneAxis &&
+        most > kOneAxis * shares.norm())
+      finding.subject = problem.outputs[static_cast<std::size_t>(strongest)].channel.symbol;
   }
   if (cause.applies_to == effects::AppliesTo::dataset && cause.scale == ParameterScale::instant)
     for (std::size_t row = 0; row < problem.data().rows; ++row)

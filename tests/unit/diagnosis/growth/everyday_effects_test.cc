@@ -53,8 +53,43 @@ TEST(ALever, IsNamedHoweverMuchTheTiltScatters) {
   }
 }
 
-// A beam that begins 500 mm before x = 0 and stands square: the path on a mirror that turns by up to
-// 60 arcsec is (x + 500 mm)(1 - cos).
+// The first of six legs loses counts: x, y, z and the rotations are all elsewhere from then on.
+TEST(AJumpOfOneLegOfSix, IsThatLegs) {
+  constexpr std::size_t kPoses = 300;
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> even(-1, 1);
+  const std::vector<std::pair<std::string, std::string>> pose = {
+      {"x", "mm"}, {"y", "mm"}, {"z", "mm"}, {"rx", "arcsec"}, {"ry", "arcsec"}, {"rz", "arcsec"}};
+  Eigen::Matrix<double, 6, 6> legs;
+  for (double& one : legs.reshaped()) one = even(random);
+  legs.rightCols<3>() *= 1e-3;  // mm per arcsec
+  Dataset data;
+  data.rows = kPoses;
+  data.columns.resize(12);
+  for (std::size_t k = 0; k < 6; ++k) {
+    data.columns[k].channel = {pose[k].first, pose[k].second};
+    data.columns[6 + k].channel = {"q" + std::to_string(k + 1), "mm"};
+  }
+  for (std::size_t row = 0; row < kPoses; ++row) {
+    data.time_s.push_back(40.0 * static_cast<double>(row));
+    Eigen::Vector<double, 6> at;
+    for (std::size_t k = 0; k < 6; ++k) {
+      at[static_cast<Eigen::Index>(k)] = (k < 3 ? 1 : 100) * even(random);
+      data.columns[k].values.push_back(at[static_cast<Eigen::Index>(k)]);
+    }
+    const Eigen::Vector<double, 6> q_mm = legs * at;
+    for (std::size_t k = 0; k < 6; ++k)
+      data.columns[6 + k].values.push_back(q_mm[static_cast<Eigen::Index>(k)] +
+                                           20e-6 * normal(random) +
+                                           (k == 0 && row >= 200 ? 100e-6 : 0));
+  }
+  EXPECT_THAT(names_found(diagnosed(data, "q ~ x + y + z + rx + ry + rz")),
+              ElementsAre("step_change q1"));
+}
+
+// A beam that begins 500 mm before x = 0 and stands square: the path on a mirror that turns by up
+// to 60 arcsec is (x + 500 mm)(1 - cos).
 TEST(ABeamOnAMirrorThatTurns, HasTheLengthOfItsPath) {
   EverydayAxis axis(6);
   for (std::size_t row = 0; row < EverydayAxis::kRows; ++row) {
