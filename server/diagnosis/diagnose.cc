@@ -23,6 +23,7 @@
 #include "server/diagnosis/report/loose_terms.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
+#include "server/diagnosis/rounded_outputs.h"
 #include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/rows/missing_values.h"
 #include "server/diagnosis/rows/screen.h"
@@ -463,8 +464,14 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     whole.sentences.push_back(std::move(said));
   for (auto& said : coarse_notes(problem.prepared.coarse()))
     whole.sentences.push_back(std::move(said));
-  auto found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
+  auto found = Diagnoser(dataset, mended, problem, asked).run(sensors);
   if (!found) return found;
+  DRIFTWISE_TRY(auto rounded, free_of_rounding(problem, dataset, found->findings));
+  if (!rounded.empty()) {
+    found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
+    if (!found) return found;
+    whole.sentences.insert(whole.sentences.end(), rounded.begin(), rounded.end());
+  }
   if (!dataset.set.empty() && std::ranges::count(dataset.set, PointSet::calibration) == 0)
     whole.sentences.push_back(
         "every row is marked for validation: they are what the search learns from, and nothing "

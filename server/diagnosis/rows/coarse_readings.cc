@@ -14,9 +14,9 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kFewest = 16;
+constexpr std::size_t kFewestReadings = 16;
 constexpr double kStandsStill = 0.5;        // share of the rows
-constexpr double kWhole = 1e-3;             // of a step, off a whole number of steps
+constexpr double kWholeStep = 1e-3;         // of a step, off a whole number of steps
 constexpr double kShortest = 1e-3;          // of a typical distance in time, between two rows
 constexpr Eigen::Index kMostChosen = 4000;  // rows that rate and noise are chosen on
 // Scale of the reading's own noise (logistic), in steps: beyond the largest a display does not
@@ -246,15 +246,15 @@ double display_step(const std::vector<double>& values, double widest) {
     if (std::isfinite(before)) changes.push_back(std::abs(value - before));
     before = value;
   }
-  if (changes.size() + 1 < kFewest) return 0;
+  if (changes.size() + 1 < kFewestReadings) return 0;
   double step = INFINITY;
-  const double least = kWhole * widest;  // a conversion of units leaves rounding errors
+  const double least = kWholeStep * widest;  // a conversion of units leaves rounding errors
   for (const double change : changes)
     if (change > least) step = std::min(step, change);
-  if (!(step <= widest * (1 + kWhole))) return 0;
+  if (!(step <= widest * (1 + kWholeStep))) return 0;
   std::size_t still = 0;
   for (const double change : changes) {
-    if (std::abs(change - step * std::round(change / step)) > kWhole * step) return 0;
+    if (std::abs(change - step * std::round(change / step)) > kWholeStep * step) return 0;
     still += change <= least ? 1 : 0;
   }
   return static_cast<double>(still) >= kStandsStill * static_cast<double>(changes.size()) ? step
@@ -268,7 +268,7 @@ Course between_steps(std::span<const double> time_s, const std::vector<double>& 
   for (std::size_t i = 0; i < values.size(); ++i)
     if (std::isfinite(values[i])) present.push_back(i);
   const auto n = static_cast<Eigen::Index>(present.size());
-  if (n < static_cast<Eigen::Index>(kFewest) || !(step > 0)) return result;
+  if (n < static_cast<Eigen::Index>(kFewestReadings) || !(step > 0)) return result;
   const double middle = values[present[present.size() / 2]];
   Eigen::VectorXd time(n), readings(n);
   double steps = 0;
