@@ -460,7 +460,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
       problem.outputs[o].measured -=
           summary_unit(dataset.find(problem.outputs[o].channel.symbol)->channel.unit).factor *
           options.simulated.col(static_cast<Eigen::Index>(o));
-  if (auto said = incomplete_rows(dataset, problem); !said.empty())
+  if (auto said = incomplete_rows(mended, problem); !said.empty())
     whole.sentences.push_back(std::move(said));
   for (auto& said : coarse_notes(problem.prepared.coarse()))
     whole.sentences.push_back(std::move(said));

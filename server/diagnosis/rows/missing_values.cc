@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
+#include <numeric>
 
 namespace driftwise::diagnosis {
 namespace {
@@ -61,13 +63,39 @@ std::string rows_text(std::size_t count, std::size_t rows) {
   return std::to_string(count) + " of " + std::to_string(rows) + " rows";
 }
 
-// The same instant and the same value of every channel as in the row before: no second measurement.
-bool repeats_the_row_before(const Dataset& data, std::size_t row) {
-  if (data.time_s.empty() || row == 0 || data.time_s[row] != data.time_s[row - 1]) return false;
-  return std::ranges::all_of(data.columns, [row](const DatasetColumn& column) {
-    const double before = column.values[row - 1], value = column.values[row];
-    return value == before || (std::isnan(value) && std::isnan(before));
+// Rows of untimed data that have the value of every channel of an earlier row: no second
+// measurement. Coarse readings may well agree in all, so that one channel must tell the others
+// apart. Rows with a time each have their own.
+std::vector<std::uint8_t> there_before(const Dataset& data) {
+  constexpr double kTellsApart = 0.9;  // of the different rows
+  std::vector<std::uint8_t> repeats(data.rows, 0);
+  if (!data.time_s.empty()) return repeats;
+  std::vector<std::size_t> order(data.rows);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto compared = [&data](std::size_t a, std::size_t b) {
+    for (const auto& column : data.columns) {
+      const auto order_of_values = std::strong_order(column.values[a], column.values[b]);
+      if (order_of_values != 0) return order_of_values;
+    }
+    return std::strong_ordering::equal;
+  };
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return compared(a, b) == std::strong_ordering::less;
   });
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    repeats[order[i]] = i > 0 && compared(order[i - 1], order[i]) == 0 ? 1 : 0;
+    different += repeats[order[i]] == 0 ? 1 : 0;
+  }
+  const bool told_apart =
+      std::ranges::any_of(data.columns, [different](const DatasetColumn& column) {
+        auto values = column.values;
+        std::ranges::sort(values, [](double a, double b) { return std::strong_order(a, b) < 0; });
+        return static_cast<double>(std::ranges::unique(values).begin() - values.begin()) >=
+               kTellsApart * static_cast<double>(different);
+      });
+  if (!told_apart) std::ranges::fill(repeats, 0);
+  return repeats;
 }
 
 }  // namespace
@@ -95,14 +123,11 @@ WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& condition
   }
   // Those that few rows lack first: each may add rows until too many would go.
   std::ranges::stable_sort(lacking, {}, [](const Lacking& one) { return one.rows.size(); });
-  std::vector<std::uint8_t> gone(data.rows, 0);
-  for (std::size_t row = 0; row < data.rows; ++row)
-    gone[row] = repeats_the_row_before(data, row) ? 1 : 0;
+  std::vector<std::uint8_t> gone = there_before(data);
   const auto repeated = static_cast<std::size_t>(std::ranges::count(gone, 1));
   if (repeated > 0)
     result.sentences.push_back(rows_text(repeated, data.rows) +
-                               " repeat the row before in every value, its time included, and were "
-                               "left out");
+                               " repeat an earlier row in every value and were left out");
   for (const auto& one : lacking) {
     auto with = gone;
     for (const std::size_t row : one.rows) with[row] = 1;

@@ -12,7 +12,8 @@ namespace driftwise::diagnosis {
 
 struct WithoutGaps {
   // Short gaps of temperatures and air are closed along straight lines in time; rows that still
-  // lack a condition are excluded where they are few, and those that repeat the row before.
+  // lack a condition are excluded where they are few, and those of untimed data that repeat an
+  // earlier one.
   Dataset data;
   // Symbols that more rows lack than can be spared: nothing reads them.
   std::vector<std::string> unread;

@@ -244,9 +244,11 @@ class Reader {
   std::optional<Error> out_of_order(const CsvRows& rows, std::size_t before,
                                     std::size_t now) const {
     if (time(now) > time(before)) return std::nullopt;
-    return rows.problem(reasons::kTimeNotIncreasing, time_,
-                        "found " + number_text(time(now)) + " after " + number_text(time(before)) +
-                            ", expected a later time in every row");
+    return rows.problem(
+        reasons::kTimeNotIncreasing, time_,
+        "found " + number_text(time(now)) + " after " + number_text(time(before)) +
+            ", expected a later time in every row: sort the rows, or leave the "
+            "column out where its clock is too coarse, and they count in their order");
   }
 
   const CsvHeader& header_;

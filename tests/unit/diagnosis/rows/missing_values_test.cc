@@ -76,23 +76,27 @@ TEST(MissingValues, OfMoreRowsThanCanBeSparedLeaveTheChannelOut) {
   EXPECT_TRUE(closed.data.excluded.empty());
 }
 
-// As of two exports that overlap, sorted by time.
+// As of an export that was pasted twice, without its times.
 TEST(RowsThatAreThereTwice, CountOnce) {
   const Dataset once = loaded_and_warm();
   Dataset twice = once;
   twice.rows = 2 * kGapRows;
   twice.time_s.clear();
-  for (auto& column : twice.columns) column.values.clear();
-  for (std::size_t row = 0; row < kGapRows; ++row)
-    for (int copy = 0; copy < 2; ++copy) {
-      twice.time_s.push_back(once.time_s[row]);
-      for (std::size_t c = 0; c < once.columns.size(); ++c)
-        twice.columns[c].values.push_back(once.columns[c].values[row]);
-    }
+  for (auto& column : twice.columns)
+    column.values.insert(column.values.end(), column.values.begin(), column.values.end());
   const auto whole = without_gaps(twice, {"t01", "force"});
   EXPECT_EQ(std::ranges::count(whole.data.excluded, 1), kGapRows);
+  EXPECT_EQ(std::count(whole.data.excluded.begin(), whole.data.excluded.begin() + kGapRows, 1), 0);
   EXPECT_THAT(whole.sentences, testing::ElementsAre(testing::HasSubstr(
-                                   "120 of 240 rows repeat the row before in every value")));
+                                   "120 of 240 rows repeat an earlier row in every value")));
+}
+
+TEST(RowsThatAreThereTwice, AreMeasurementsWhereReadingsAreCoarse) {
+  Dataset coarse = loaded_and_warm();
+  coarse.time_s.clear();
+  for (auto& column : coarse.columns)
+    for (double& value : column.values) value = std::round(value);
+  EXPECT_TRUE(without_gaps(coarse, {"t01", "force"}).data.excluded.empty());
 }
 
 TEST(MissingValues, HideNoCause) {
