@@ -2,9 +2,9 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "server/core/text/quantity_text.h"
@@ -55,8 +55,16 @@ struct Law {
   double sd = 0;
 };
 
+// In steps.
+double spread_about(const Eigen::VectorXd& foretold, const Eigen::VectorXd& readings, double step) {
+  const Eigen::VectorXd off = readings - foretold;
+  return robust_sd({off.data(), off.data() + off.size()}) / step;
+}
+
 // Simulation and noise behind readings that are rounded to `step`, by expectation and maximisation.
-Law behind(const Eigen::MatrixXd& simulation, const Eigen::VectorXd& readings, double step) {
+// Nothing where they spread too far about the simulation: most data end there.
+std::optional<Law> behind(const Eigen::MatrixXd& simulation, const Eigen::VectorXd& readings,
+                          double step) {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(simulation);
   qr.setThreshold(1e-10);
   const Eigen::MatrixXd basis =
@@ -66,6 +74,7 @@ Law behind(const Eigen::MatrixXd& simulation, const Eigen::VectorXd& readings, d
   };
   const auto dof = static_cast<double>(std::max<Eigen::Index>(readings.size() - qr.rank(), 1));
   Law law{fitted(readings), 0};
+  if (spread_about(law.foretold, readings, step) > kMostSpread) return std::nullopt;
   law.sd = std::max((readings - law.foretold).norm() / std::sqrt(dof), kSmallestNoise * step);
   Eigen::VectorXd mean = readings;
   for (int round = 0; round < kRounds; ++round) {
@@ -175,9 +184,10 @@ Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Datase
     const Eigen::RowVectorXd lengths = x.colwise().norm().cwiseMax(1e-300);
     x = (x.array().rowwise() / lengths.array()).matrix().eval();
     const Eigen::VectorXd readings = rows_of(output.measured, rows);
-    const Law law = behind(x, readings, step);
-    const Eigen::VectorXd off = readings - law.foretold;
-    const double spread = robust_sd({off.data(), off.data() + off.size()}) / step;
+    const auto found_law = behind(x, readings, step);
+    if (!found_law) continue;
+    const Law& law = *found_law;
+    const double spread = spread_about(law.foretold, readings, step);
     if (spread < kLeastSpread || spread > kMostSpread || law.sd > kNoiseOfAStep * step) continue;
     std::mt19937_64 random(1);
     freed[o] = Eigen::VectorXd::Zero(output.measured.size());
