@@ -33,6 +33,9 @@ constexpr std::array<double, 16> kPeriods_arcsec = {36,       72,    129.6, 144,
                                                     632.8125, 648,   720,   1265.625, 3600,  7200,
                                                     10800,    14400, 18000, 21600};
 constexpr std::array<int, 4> kParts = {1, 2, 4, 8};
+// Times a turn: a disk off its centre, an elliptic one, three jaws, four screws, and so on.
+constexpr double kTurn_arcsec = 1296000;
+constexpr std::array<int, 7> kTimesATurn = {1, 2, 3, 4, 5, 6, 8};
 constexpr double kTolerance = 2e-4;    // of a period: wavelength in air, expansion, alignment
 constexpr double kPhysicalMass = 0.7;  // of the prior over periods; the rest is any period's
 constexpr int kMostOfOne = 20;         // cells to either side of a known period
@@ -45,8 +48,8 @@ struct Waves {
 
 // Any period, uniform in 1/period with wave_step(), from two periods over the range to half as many
 // as there are different places, for more of them look alike there; and around each known period
-// that the places resolve.
-Waves waves_of(double range, std::span<const double> periods, std::size_t places) {
+// that the places resolve. turn: whole parts of it are known where half a period is seen; 0: none.
+Waves waves_of(double range, std::span<const double> periods, std::size_t places, double turn = 0) {
   std::map<double, double> by_frequency;  // weight
   std::vector<double> free;
   const std::size_t turns = std::min(places, kMostPlaces);  // half turns over the range
@@ -58,6 +61,9 @@ Waves waves_of(double range, std::span<const double> periods, std::size_t places
   for (const double period : periods)
     for (const int part : kParts)
       if (period / part < range / 2) known.insert(part / period);
+  if (turn > 0)
+    for (const int times : kTimesATurn)
+      if (turn / times <= 2 * range && times / turn <= last) known.insert(times / turn);
   for (const double frequency : known) {
     const int beside =
         std::min(kMostOfOne, static_cast<int>(std::ceil(kTolerance * frequency / step)));
@@ -125,7 +131,8 @@ std::string short_size(double size, bool angle) {
 // axis they differ by what the structure between scale and pose does: its phase must tell them
 // apart by half a radian.
 double longest_of_its_own(const CatalogueBuilder& builder) {
-  if (builder.motors().size() > 1) return std::numeric_limits<double>::infinity();
+  if (builder.motors().size() > 1 || builder.axes().empty())
+    return std::numeric_limits<double>::infinity();
   if (builder.axes().size() != 1) return 0;
   const auto q = builder.data().values_of(builder.motors().front());
   const auto x = builder.data().values_of(builder.axes().front());
@@ -157,7 +164,7 @@ void add_cyclic(CatalogueBuilder& builder, const std::string& symbol, Cause caus
     return;
   }
   const double range = builder.range(symbol);
-  Waves waves = angle ? waves_of(range, kPeriods_arcsec, places)
+  Waves waves = angle ? waves_of(range, kPeriods_arcsec, places, kTurn_arcsec)
                       : waves_of(nm_from_mm(range), kPeriods_nm, places);
   const auto kept = std::ranges::find_if(waves.periods, [&](double p) { return p < longest; });
   waves.weights.erase(waves.weights.begin(),

@@ -63,7 +63,7 @@ void add_motion(CatalogueBuilder& builder) {
     const bool angle = builder.is_angle(q);
     const char* unit = angle ? "arcsec" : "nm";
     Cause play = of_motor("backlash", q, angle ? "width_arcsec" : "width_nm");
-    if (!angle) play.linear = LinearParameter::width_nm;
+    play.linear = angle ? LinearParameter::width_arcsec : LinearParameter::width_nm;
     play.outputs = {q};
     const double widest = angle ? kWidestPlay_arcsec : kWidestPlayNm;
     const double quarter = (angle ? builder.range(q) : nm_from_mm(builder.range(q))) / 4;

@@ -24,6 +24,7 @@ enum class LinearParameter : std::uint8_t {
   nm_per_n,
   nm_per_n_per_mm,
   width_nm,
+  width_arcsec,
   offset_mm,
   angle_arcsec,
   dead_path_mm,

@@ -52,9 +52,16 @@ bool is_square(const effects::Term& term) {
   return term.factors.size() == 1 && power != nullptr && power->exponent == 2;
 }
 
+LinearNumber linear_number_of_angle(LinearParameter parameter, double value) {
+  if (parameter == LinearParameter::width_arcsec) return {"width_arcsec", value};
+  if (parameter == LinearParameter::size_nm) return {"size_arcsec", 1};
+  return {};
+}
+
 LinearNumber linear_number(LinearParameter parameter, const effects::Term& term, double value) {
   switch (parameter) {
     case LinearParameter::none:
+    case LinearParameter::width_arcsec:
       return {};
     case LinearParameter::nm_per_k:
       return {"nm_per_k", 1};

@@ -27,7 +27,7 @@ constexpr double kHeating_k = 0.3;            // of a motor's surroundings
 constexpr double kActivity_k = 1;             // of a spindle's
 constexpr double kGeometry = 1e-4;            // of the stroke: straightness and scale of stages
 constexpr double kPlay = 2e-5, kPlay_nm = 200;
-constexpr double kWave_nm = 20, kWaveOfPeriod = 1e-3, kWaveOfStroke = 1e-5;
+constexpr double kWave_nm = 20, kWaveOfAngle = 0.01, kWaveOfPeriod = 1e-3, kWaveOfStroke = 1e-5;
 constexpr double kCompliance_nm_per_n = 100;  // 10 N/um
 // A steel ball of 10 mm on a flat approaches by (9 / (16 R E'^2))^(1/3) F^(2/3), R = 5 mm and
 // E' = 115 GPa: 204 nm at 1 N (Johnson, Contact Mechanics, 4.2).
@@ -368,10 +368,17 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
       const auto at = static_cast<std::size_t>(o);
       // The table is of lengths; of anything else only the noise is known.
       const bool length = output.unit == "nm";
-      const double typical = length ? nm_per_unit(cause, term, parameter, column_range, at)
-                                    : 2 * kOfNoise * noise_sd_[at] / column_range;
+      double typical = length ? nm_per_unit(cause, term, parameter, column_range, at)
+                              : 2 * kOfNoise * noise_sd_[at] / column_range;
+      double factor = length ? range_factor(cause, term, at) : kUnlimited;
+      // A signal of 36 arcsec that errs by 2 of them is broken; once a turn it is off its centre.
+      if (cause.id == "cyclic_error" && cause.parameter == "period_arcsec" &&
+          output.unit == "arcsec") {
+        typical = std::min(typical, kWaveOfAngle * parameter);
+        factor = 10;
+      }
       result.typical(k, o) = width_ * typical;
-      result.range(k, o) = width_ * typical * (length ? range_factor(cause, term, at) : kUnlimited);
+      result.range(k, o) = width_ * typical * factor;
     }
   }
   return result;

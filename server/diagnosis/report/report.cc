@@ -81,7 +81,11 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                   .terms = named.terms,
                   .p_adjusted = named.p_adjusted,
                   .log_likelihood_ratio = named.likelihood / 2};
-  if (!cause.parameter.empty() && cause.linear != LinearParameter::width_nm) {
+  const bool any_angle = std::ranges::any_of(
+      problem.outputs, [](const ProblemOutput& output) { return output.unit == "arcsec"; });
+  const bool is_width = cause.linear == LinearParameter::width_nm ||
+                        (cause.linear == LinearParameter::width_arcsec && any_angle);
+  if (!cause.parameter.empty() && !is_width) {
     FoundParameter parameter{cause.parameter, named.values.front().parameter, {}, {}};
     if (auto curve = extension.profile_of(index)) {
       parameter.ci90 = curve->ci90;
@@ -121,9 +125,11 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       one.coefficients.push_back(coefficient / output.factor);
       const auto& term = named.terms[static_cast<std::size_t>(k)];
       const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
-      const auto number = linear_number(cause.linear, term, named.values[v].parameter);
-      if (number.name.empty() || output.unit != "nm" || !one.shown || !std::isfinite(error))
-        continue;
+      const double at = named.values[v].parameter;
+      const auto number = output.unit == "nm"       ? linear_number(cause.linear, term, at)
+                          : output.unit == "arcsec" ? linear_number_of_angle(cause.linear, at)
+                                                    : LinearNumber{};
+      if (number.name.empty() || !one.shown || !std::isfinite(error)) continue;
       const double value = coefficient * number.factor,
                    reach = kSigmaToU90 * error * std::abs(number.factor);
       FoundParameter parameter{numbered(v, number.name) + suffix(term, of_one_value) +
@@ -131,7 +137,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                                value,
                                Interval{value - reach, value + reach},
                                {}};
-      if (cause.linear == LinearParameter::width_nm && value < 0) {
+      if (is_width && value < 0) {
         parameter.value = -value;
         parameter.ci90 = Interval{-value - reach, -value + reach};
       }

@@ -53,6 +53,33 @@ TEST(ALever, IsNamedHoweverMuchTheTiltScatters) {
   }
 }
 
+// A table that is divided in 36, each way, its disk 2 arcsec off its centre: readings against the
+// encoder, and deviations with no other coordinate than the encoder's.
+TEST(AnEccentricTable, ErrsOnceATurn) {
+  for (const bool deviations : {false, true}) {
+    std::mt19937_64 random(8);
+    std::normal_distribution<double> normal;
+    Dataset data;
+    std::vector<double> q_arcsec, read_arcsec;
+    for (std::size_t row = 0; row < 296; ++row) {
+      const std::size_t k = row % 74;
+      const double at = 36000.0 * static_cast<double>(k < 37 ? k : 73 - k) + 300 * normal(random);
+      const double error =
+          2 * std::sin(2 * std::numbers::pi * at / 1296000 + 0.7) + 0.15 * normal(random);
+      data.time_s.push_back(20.0 * static_cast<double>(row));
+      q_arcsec.push_back(at);
+      read_arcsec.push_back(deviations ? error : at + error);
+    }
+    data.rows = data.time_s.size();
+    data.columns = {{{"q1", "arcsec"}, q_arcsec},
+                    {{deviations ? "e" : "rz", "arcsec"}, read_arcsec}};
+    const auto found = diagnosed(data, deviations ? "e ~ 1" : "q1 ~ rz");
+    ASSERT_THAT(names_found(found),
+                ElementsAre(deviations ? "cyclic_error q1" : "cyclic_error rz"));
+    EXPECT_NEAR(found.findings[0].parameters[0].value, 1296000, 0.02 * 1296000) << deviations;
+  }
+}
+
 // The first of six legs loses counts: x, y, z and the rotations are all elsewhere from then on.
 TEST(AJumpOfOneLegOfSix, IsThatLegs) {
   constexpr std::size_t kPoses = 300;
