@@ -29,8 +29,8 @@ struct SoftBase {
   }
 };
 
-// What readings hide, drawn from its prior: rows x outputs, in standard deviations of the white
-// noise. Zero where nothing is hidden; nothing is drawn then.
+// Noise that readings hide, drawn from its prior: rows x outputs, in standard deviations of the
+// white noise. Zero where nothing is hidden; nothing is drawn then.
 Eigen::MatrixXd drawn_hidden(const SoftBase& base, Eigen::Index outputs, std::mt19937_64& random);
 
 }  // namespace driftwise::diagnosis

@@ -22,7 +22,7 @@ constexpr Eigen::Index kMostChosen = 4000;  // rows that rate and noise are chos
 // Scale of the reading's own noise (logistic), in steps: beyond the largest a display does not
 // stand still in half of the rows.
 constexpr std::array<double, 3> kNoises = {0.05, 0.1, 0.2};
-// How far the course departs from a straight line in the time of one step, in steps.
+// Departure of the course from a straight line in the time of one step, in steps.
 constexpr std::array<double, 7> kBends = {0.01, 0.03, 0.1, 0.3, 1, 3, 10};
 constexpr int kMostRounds = 100;
 constexpr double kRidge = 1e-9;   // of a precision, steps^-2

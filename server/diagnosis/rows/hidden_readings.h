@@ -1,6 +1,6 @@
 #pragma once
-// What the course of a coarse thermometer leaves unknown acts through every term of the baseline
-// that reads it, by the baseline's coefficient: to a search it is noise of known shape.
+// Noise that a coarse thermometer hides: the unknown part of its course acts through every term of
+// the baseline that reads it, by the baseline's coefficient. To a search it has a known shape.
 
 #include "server/core/result.h"
 #include "server/diagnosis/rows/problem.h"

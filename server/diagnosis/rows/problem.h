@@ -36,7 +36,8 @@ struct Fold {
   std::vector<std::size_t> learn, judge;
 };
 
-// What the readings of the baseline's channels hide: columns with an amplitude about zero each.
+// Noise that coarse readings of the baseline's channels hide: columns, each with an amplitude about
+// zero.
 struct Hidden {
   Eigen::MatrixXd columns;  // every row of the dataset
   Eigen::MatrixXd sd;       // columns x outputs, in the output's summary unit
