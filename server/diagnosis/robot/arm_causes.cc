@@ -22,7 +22,6 @@ constexpr double kRangeOfPlay = 10, kRangeOfGear = 10;
 constexpr double kLeastTorque_m = 0.02, kLeastTorque_newton_m = 1;  // of change over the rows
 constexpr double kLeastChange_k = 0.5;
 constexpr double kRadPerUrad = 1e-6, kKelvinOfZero = 273.15;
-constexpr double kWidestGap = 0.25;  // of a harmonic's period
 
 double range_of(const Eigen::VectorXd& values, const std::vector<std::size_t>& rows) {
   double low = INFINITY, high = -INFINITY;
@@ -31,21 +30,6 @@ double range_of(const Eigen::VectorXd& values, const std::vector<std::size_t>& r
     high = std::max(high, values[static_cast<Index>(row)]);
   }
   return high - low;
-}
-
-// Largest way along a circle of this circumference on which no row stands.
-double widest_gap(const Eigen::VectorXd& angles, const std::vector<std::size_t>& rows,
-                  double period) {
-  std::vector<double> on_circle;
-  for (const std::size_t row : rows) {
-    const double angle = std::fmod(angles[static_cast<Index>(row)], period);
-    on_circle.push_back(angle < 0 ? angle + period : angle);
-  }
-  std::ranges::sort(on_circle);
-  double widest = on_circle.front() + period - on_circle.back();
-  for (std::size_t i = 1; i < on_circle.size(); ++i)
-    widest = std::max(widest, on_circle[i] - on_circle[i - 1]);
-  return widest;
 }
 
 std::string name_of_joint(std::size_t joint) { return "joint" + std::to_string(joint + 1); }
@@ -99,17 +83,6 @@ class Builder {
     for (Index j = 0; j < angles_rad_.cols(); ++j)
       for (const int harmonic : {1, 2}) {
         const auto joint = static_cast<std::size_t>(j);
-        const double period = 2 * std::numbers::pi / harmonic;
-        const double gap = widest_gap(angles_rad_.col(j), rows_, period);
-        if (gap > kWidestGap * period) {
-          char text[160];
-          std::snprintf(text, sizeof text,
-                        "harmonic %d: its angles leave %.0f of the period's %.0f degrees unvisited "
-                        "in one piece, more than a quarter",
-                        harmonic, gap * 180 / std::numbers::pi, 360.0 / harmonic);
-          missing("gear_error " + name_of_joint(joint), text);
-          continue;
-        }
         ArmCause gear{.id = "gear_error",
                       .subject = name_of_joint(joint),
                       .joint = joint,

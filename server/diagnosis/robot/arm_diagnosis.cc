@@ -83,6 +83,27 @@ void add_parameters(const ArmCause& cause, const NamedArmCause& named, bool mass
   }
 }
 
+const char* unit_of(const ArmCause& cause, bool masses) {
+  if (cause.id == "joint_compliance") return masses ? "urad/(N m)" : "urad/m";
+  return cause.id == "joint_offset_drift" ? "arcsec/K" : "arcsec";
+}
+
+// Causes whose typical size such rows hide: what is left of it beside the numbers of the drawing is
+// less than the noise. A larger one may still be named.
+void add_hidden(const ArmSearch& search, const std::vector<ArmCause>& causes, bool masses,
+                std::vector<NotTestable>& result) {
+  for (std::size_t c = 0; c < causes.size(); ++c) {
+    const double least = search.least_shown(c), typical = causes[c].typical;
+    if (least <= typical) continue;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "beside the numbers of the drawing these rows show it from %.2g %s on; %.2g is "
+                  "typical",
+                  least, unit_of(causes[c], masses), typical);
+    result.push_back({name_of_cause(causes[c]), text});
+  }
+}
+
 class Reporter {
  public:
   Reporter(const Problem& problem, const WhitenedGeometry& whole, const ArmSearch& search,
@@ -201,6 +222,7 @@ Result<ArmDiagnosis> diagnose_arm(const Dataset& dataset, const Problem& problem
     result.findings.push_back(reporter.finding(one, masses));
     add_to(result.robot, causes[one.cause], one.amplitude);
   }
+  add_hidden(search, causes, masses, result.not_testable);
   for (const auto& one : search.refused())
     result.warnings.push_back(refusal(one, causes[one.cause]));
   return result;

@@ -145,6 +145,13 @@ ArmSearch::Fit ArmSearch::fit(const std::vector<Soft>& soft, double rows_per_row
       cholesky.solve(Eigen::MatrixXd::Identity(g.rows(), g.cols())).diagonal().cwiseSqrt();
   result.two_ln = result.explained = b.dot(result.mean);
   for (Index k = 0; k < g.cols(); ++k) result.two_ln -= 2 * std::log(cholesky.matrixL()(k, k));
+  Index at = 0;
+  for (const auto& one : soft) {
+    if (causes_[one.cause].one_signed)
+      result.two_ln +=
+          2 * std::log(std::max(2 * normal_below(result.mean[at] / result.error[at]), 1e-300));
+    at += width(one.cause);
+  }
   return result;
 }
 
@@ -174,10 +181,6 @@ ArmSearch::Evidence ArmSearch::evidence(std::size_t cause, const std::vector<Sof
     with.push_back({cause, kPriorShares[w]});
     fits[w] = fit(with, rows_per_row);
     two_ln[w] = fits[w].two_ln - without.two_ln;
-    const Index own = fits[w].mean.size() - 1;
-    if (what.one_signed)
-      two_ln[w] +=
-          2 * std::log(std::max(2 * normal_below(fits[w].mean[own] / fits[w].error[own]), 1e-300));
   }
   Evidence result{.two_ln = averaged(two_ln, false), .share = likeliest_share(two_ln, false)};
   const auto best = static_cast<std::size_t>(std::ranges::find(kPriorShares, result.share) -
@@ -266,10 +269,24 @@ ArmGate ArmSearch::gate(std::size_t cause, const std::vector<Soft>& base, double
   return result;
 }
 
+// Half of alpha is for what acts on every arm, half for the rest; alike within each half.
+double ArmSearch::chance_of(std::size_t cause, double two_ln) const {
+  const auto alike = std::ranges::count(causes_, causes_[cause].certain, &ArmCause::certain);
+  const bool all = alike == std::ssize(causes_);
+  const double price = static_cast<double>(alike) * (all ? 1 : 2);
+  return std::min(1.0, price * std::exp(-two_ln / 2));
+}
+
+// Twice its evidence is about what it explains less the logarithm of that: solved once over.
+double ArmSearch::least_shown(std::size_t cause) const {
+  const double needed = -2 * std::log(alpha_ / chance_of(cause, 0));
+  const double explained = turns_.middleCols(first(cause), width(cause)).squaredNorm() /
+                           static_cast<double>(width(cause)) / correlated_[cause];
+  return std::sqrt((needed + std::log(1 + needed)) / std::max(explained, 1e-300));
+}
+
 void ArmSearch::search(double alpha) {
   alpha_ = alpha;
-  const double offered = static_cast<double>(causes_.size());
-  const auto p_of = [&](double two_ln) { return std::min(1.0, offered * std::exp(-two_ln / 2)); };
   std::vector<char> ruled_out(causes_.size(), 0);
   while (true) {
     std::optional<std::size_t> best;
@@ -277,7 +294,7 @@ void ArmSearch::search(double alpha) {
     for (std::size_t c = 0; c < causes_.size(); ++c) {
       if (ruled_out[c] != 0 || index_of(c)) continue;
       const auto one = evidence(c, beside(c));
-      if (!one.nameable || p_of(one.two_ln) > alpha) continue;
+      if (!one.nameable || chance_of(c, one.two_ln) > alpha) continue;
       if (!best || one.two_ln > most.two_ln) best = c, most = one;
     }
     if (!best) break;
@@ -291,7 +308,7 @@ void ArmSearch::search(double alpha) {
     // What a later one explains goes.
     for (std::size_t i = 0; i < in_.size(); ++i) {
       const auto again = evidence(in_[i].cause, beside(in_[i].cause));
-      if (again.nameable && p_of(again.two_ln) <= alpha) {
+      if (again.nameable && chance_of(in_[i].cause, again.two_ln) <= alpha) {
         in_[i].share = again.share;
         continue;
       }
@@ -304,7 +321,6 @@ void ArmSearch::search(double alpha) {
 }
 
 void ArmSearch::describe() {
-  const double offered = static_cast<double>(causes_.size());
   double most = 1;
   for (const auto& one : in_) most = std::max(most, correlated_[one.cause]);
   const Fit all = fit(in_, most);
@@ -318,7 +334,7 @@ void ArmSearch::describe() {
                         .amplitude = scale * all.mean.segment(at, k),
                         .error = scale * all.error.segment(at, k),
                         .two_ln_bf = own.two_ln,
-                        .p_adjusted = std::min(1.0, offered * std::exp(-own.two_ln / 2)),
+                        .p_adjusted = chance_of(one.cause, own.two_ln),
                         .gain_2lnl = own.likelihood,
                         .gate = gate(one.cause, base, one.share)};
     for (std::size_t c = 0; c < causes_.size(); ++c) {

@@ -13,14 +13,14 @@
 //
 // Evidence: the marginal likelihood under the prior of arm_causes.h, at the widths kPriorShares.
 // Gravity acts on every arm: sag of all joints is in, under its prior, when another cause is asked.
-// A cause is named where its ratio of marginal likelihoods exceeds the number of causes over alpha:
-// the mean of such a ratio is 1 where nothing is hidden, so by Markov's inequality a false name is
-// rarer than alpha.
-// Gate: the predictive log density of rows left out must rise over blocks of time, over groups of
-// neighbouring joint angles, and over six parts of what the cause is a function of (angle, torque,
-// temperature). Over those six parts the rise of a cause that need not act (all but sag) must also
-// exceed its own spread (Student's t, one-sided 5 %): what predicts some parts and spoils others is
-// another cause's likeness.
+// A cause is named where its ratio of marginal likelihoods exceeds its price over alpha: the mean
+// of such a ratio is 1 where nothing is hidden, so by Markov's inequality a false name is rarer
+// than alpha. The price is twice the number of causes that act on every arm, or twice that of the
+// others. Gate: the predictive log density of rows left out must rise over blocks of time, over
+// groups of neighbouring joint angles, and over six parts of what the cause is a function of
+// (angle, torque, temperature). Over those six parts the rise of a cause that need not act (all but
+// sag) must also exceed its own spread (Student's t, one-sided 5 %): what predicts some parts and
+// spoils others is another cause's likeness.
 
 #include <Eigen/Core>
 #include <optional>
@@ -64,6 +64,9 @@ class ArmSearch {
   const std::vector<NamedArmCause>& named() const { return named_; }  // strongest first
   const std::vector<RefusedArmCause>& refused() const { return refused_; }
 
+  // Amplitude from which such rows show the cause beside the numbers of the drawing, in its units.
+  double least_shown(std::size_t cause) const;
+
   // Coefficients of all columns of `whole` with the named causes in; without: but this cause.
   Eigen::VectorXd coefficients(std::size_t without = kNone) const;
 
@@ -93,6 +96,7 @@ class ArmSearch {
     bool nameable = false;  // sign and size are the cause's
   };
   Evidence evidence(std::size_t cause, const std::vector<Soft>& base) const;
+  double chance_of(std::size_t cause, double two_ln) const;  // after the price of looking at all
   std::vector<double> predicted(const std::vector<std::vector<std::size_t>>& folds, double gap,
                                 std::size_t cause, const std::vector<Soft>& base,
                                 double share) const;
