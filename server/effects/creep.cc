@@ -50,7 +50,7 @@ EffectKind creep_kind() {
       .sentence =
           "what is left of each move of the first channel, dying away with tau; the "
           "second channel is the dwell since the move's end, the same at every reading where it "
-          "is left out (mm or arcsec)",
+          "is left out (in the first channel's unit)",
       .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
         return std::make_unique<CreepState>(parameters[0].value);
       },

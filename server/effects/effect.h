@@ -57,15 +57,17 @@ struct EffectKind {
   bool observes_path = false;
   // Reads the data's own clock (an instant, a phase): means nothing to a target asked for later.
   bool in_data_time = false;
-  // Its first channel is a coordinate, in mm as channel_units has it or an angle in arcsec; a
-  // parameter in nm is then one in arcsec, and so is the output.
+  // Its first channel is a coordinate, a length in any unit or an angle in any; a parameter in nm
+  // is then one in arcsec, and an output in mm is in the channel's unit.
   bool of_coordinate = false;
 };
 
-inline constexpr std::string_view kAngleUnit = "arcsec";
-
-// Why a call that observes a first channel in this unit cannot be worked out; "" where it can.
-std::string wrong_coordinate(const EffectKind& kind, const Call& call, const std::string& unit);
+// The same call for a first channel in `unit`. A coordinate's effect sees bare numbers, so its
+// parameters are in the unit that goes with the channel's: nm for mm and mm for nm, else the
+// channel's own. Errors: invalid_argument BAD_UNIT (a period in nm of an angle; a channel in degC).
+Result<Call> for_coordinate_in(const std::string& unit, const Call& call);
+// Value of such a parameter in the unit of the channel.
+double in_unit_of_channel(const Quantity& parameter);
 // Unit of the output where the first channel is in `unit`.
 std::string output_unit(const EffectKind& kind, const std::string& unit);
 
@@ -73,8 +75,9 @@ std::span<const EffectKind> effect_kinds();
 const EffectKind* find_effect(std::string_view name);
 
 // Counts, units and bounds. Parameters may come in another unit of the same kind ("5 min"): the
-// call returned has them in the kind's own. Errors: invalid_argument UNKNOWN_EFFECT (names the
-// known ones), BAD_EFFECT (what was expected).
+// call returned has them in the kind's own, but for a coordinate's, which stay as they are: their
+// unit is the channel's affair (for_coordinate_in). Errors: invalid_argument UNKNOWN_EFFECT (names
+// the known ones), BAD_EFFECT (what was expected).
 Result<Call> checked(const Call& call);
 
 // "rate(t, tau s)": how it is written, for messages.

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/core/units.h"
-
 namespace driftwise::effects {
 namespace {
 
@@ -28,8 +26,7 @@ class WaveState final : public EffectState {
 
 template <bool sine, bool of_time>
 std::unique_ptr<EffectState> make_wave(std::span<const Quantity> parameters) {
-  const auto& [value, unit] = parameters[0];
-  const double period = of_time || unit == kAngleUnit ? value : mm_from_nm(value);
+  const double period = of_time ? parameters[0].value : in_unit_of_channel(parameters[0]);
   return std::make_unique<WaveState<sine, of_time>>(period);
 }
 

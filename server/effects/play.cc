@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/core/units.h"
-
 namespace driftwise::effects {
 namespace {
 
@@ -33,21 +31,19 @@ class PlayState final : public EffectState {
 }  // namespace
 
 EffectKind play_kind() {
-  return {
-      .name = "play",
-      .catalogue_id = "backlash",
-      .symbol_count = 1,
-      .parameters = {{"width", "nm", 0.1, 1e7, 1e-4, 36000}},
-      .output_unit = "mm",
-      .sentence =
-          "what a play of this full width leaves behind on the channel's path (mm or arcsec)",
-      .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
-        const auto& [value, unit] = parameters[0];
-        return std::make_unique<PlayState>((unit == kAngleUnit ? value : mm_from_nm(value)) / 2);
-      },
-      .channel_units = {"mm"},
-      .observes_path = true,
-      .of_coordinate = true};
+  return {.name = "play",
+          .catalogue_id = "backlash",
+          .symbol_count = 1,
+          .parameters = {{"width", "nm", 0.1, 1e7, 1e-4, 36000}},
+          .output_unit = "mm",
+          .sentence =
+              "what a play of this full width leaves behind on the channel's path (in its unit)",
+          .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
+            return std::make_unique<PlayState>(in_unit_of_channel(parameters[0]) / 2);
+          },
+          .channel_units = {"mm"},
+          .observes_path = true,
+          .of_coordinate = true};
 }
 
 }  // namespace driftwise::effects

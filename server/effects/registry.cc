@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/core/channel.h"
 #include "server/core/reasons.h"
 #include "server/core/units.h"
 #include "server/effects/beam.h"
@@ -33,28 +34,43 @@ double shifted(double value, int shift) {
   return result;
 }
 
+struct Scale {
+  const char* from;
+  const char* to;
+  double factor;
+  int shift;  // ... and this power of ten
+};
+constexpr std::array<Scale, 9> kScales = {{{"ms", "s", 1, -3},
+                                           {"min", "s", 60, 0},
+                                           {"h", "s", 3600, 0},
+                                           {"d", "s", 86400, 0},
+                                           {"um", "nm", 1, 3},
+                                           {"mm", "nm", 1, 6},
+                                           {"m", "nm", 1, 9},
+                                           {"deg", "arcsec", 3600, 0},
+                                           {"rad", "arcsec", 1 / kRadPerArcsec, 0}}};
+
+constexpr const char* kAngleUnit = "arcsec";
+
 // "5 min" -> 300 in "s"; NaN when the unit is of another kind.
 double converted(const Quantity& quantity, const std::string& unit) {
-  struct Scale {
-    const char* from;
-    const char* to;
-    double factor;
-    int shift;  // ... and this power of ten
-  };
-  static constexpr std::array<Scale, 9> scales = {{{"ms", "s", 1, -3},
-                                                   {"min", "s", 60, 0},
-                                                   {"h", "s", 3600, 0},
-                                                   {"d", "s", 86400, 0},
-                                                   {"um", "nm", 1, 3},
-                                                   {"mm", "nm", 1, 6},
-                                                   {"m", "nm", 1, 9},
-                                                   {"deg", "arcsec", 3600, 0},
-                                                   {"rad", "arcsec", 1 / kRadPerArcsec, 0}}};
   if (quantity.unit == unit || !std::isfinite(quantity.value)) return quantity.value;
-  for (const auto& scale : scales)
+  for (const auto& scale : kScales)
     if (quantity.unit == scale.from && unit == scale.to)
       return shifted(quantity.value * scale.factor, scale.shift);
   return std::nan("");
+}
+
+// Of nm or arcsec into another unit of the kind.
+double from_smallest(double value, const std::string& unit) {
+  for (const auto& scale : kScales)
+    if (unit == scale.from) return shifted(value / scale.factor, -scale.shift);
+  return value;
+}
+
+std::string unit_beside(const std::string& coordinate) {
+  if (coordinate == "mm") return "nm";
+  return coordinate == "nm" ? "mm" : coordinate;
 }
 
 }  // namespace
@@ -98,25 +114,38 @@ std::string usage(const EffectKind& kind) {
   return text + ")";
 }
 
-std::string wrong_coordinate(const EffectKind& kind, const Call& call, const std::string& unit) {
-  const auto& length = kind.channel_units.front();
-  if (unit != length && unit != kAngleUnit)
-    return "expected a channel in " + length + " or " + std::string(kAngleUnit);
-  for (std::size_t i = 0; i < call.parameters.size() && i < kind.parameters.size(); ++i) {
+Result<Call> for_coordinate_in(const std::string& unit, const Call& call) {
+  const auto bad = [](std::string why) {
+    return fail(ErrorCode::invalid_argument, reasons::kBadUnit, std::move(why));
+  };
+  const EffectKind& kind = *find_effect(call.effect);
+  if (!is_length(unit) && !is_angle(unit))
+    return bad("expected a channel of lengths (m, mm, um, nm) or angles (rad, deg, arcsec)");
+  Call result = call;
+  for (std::size_t i = 0; i < kind.parameters.size(); ++i) {
     if (kind.parameters[i].max_arcsec == 0) continue;
-    const bool angle = call.parameters[i].unit == kAngleUnit;
-    if (angle != (unit == kAngleUnit))
-      return "its " + kind.parameters[i].name + " is in " + call.parameters[i].unit +
-             ", expected " + (angle ? kind.parameters[i].unit : std::string(kAngleUnit)) +
-             " as the channel is in " + unit;
+    const auto& given = call.parameters[i];
+    if (is_angle(given.unit) != is_angle(unit))
+      return bad("its " + kind.parameters[i].name + " is in " + given.unit + ", expected " +
+                 (is_angle(unit) ? kAngleUnit : kind.parameters[i].unit) +
+                 " as the channel is in " + unit);
+    const std::string beside = unit_beside(unit);
+    if (given.unit == beside) continue;
+    const std::string smallest = is_angle(unit) ? kAngleUnit : "nm";
+    result.parameters[i] = {from_smallest(converted(given, smallest), beside), beside};
   }
-  return "";
+  return result;
+}
+
+double in_unit_of_channel(const Quantity& parameter) {
+  if (parameter.unit == "nm") return mm_from_nm(parameter.value);
+  return parameter.unit == "mm" ? nm_from_mm(parameter.value) : parameter.value;
 }
 
 std::string output_unit(const EffectKind& kind, const std::string& unit) {
-  if (!kind.of_coordinate || unit != kAngleUnit || !kind.output_unit.starts_with("mm"))
+  if (!kind.of_coordinate || unit == "mm" || !kind.output_unit.starts_with("mm"))
     return kind.output_unit;
-  return std::string(kAngleUnit) + kind.output_unit.substr(2);
+  return unit + kind.output_unit.substr(2);
 }
 
 Result<Call> checked(const Call& call) {
@@ -140,8 +169,8 @@ Result<Call> checked(const Call& call) {
     const auto& parameter = kind->parameters[i];
     std::string unit = parameter.unit;
     double value = converted(call.parameters[i], unit), min = parameter.min, max = parameter.max;
-    const bool or_angle = parameter.max_arcsec > 0;
-    if (std::isnan(value) && or_angle) {
+    const bool of_coordinate = parameter.max_arcsec > 0;
+    if (std::isnan(value) && of_coordinate) {
       unit = kAngleUnit;
       value = converted(call.parameters[i], unit);
       min = parameter.min_arcsec;
@@ -149,11 +178,11 @@ Result<Call> checked(const Call& call) {
     }
     if (std::isnan(value))
       return bad(parameter.name + " is in '" + call.parameters[i].unit + "', expected " +
-                 parameter.unit + (or_angle ? " or arcsec" : ""));
+                 parameter.unit + (of_coordinate ? " or arcsec" : ""));
     if (!(value >= min && value <= max))
       return bad(parameter.name + " is " + number_text(value) + " " + unit + ", expected " +
                  number_text(min) + " to " + number_text(max) + " " + unit);
-    result.parameters[i] = {value, unit};
+    if (!of_coordinate) result.parameters[i] = {value, unit};
   }
   return result;
 }

@@ -36,20 +36,20 @@ class HeatState final : public EffectState {
 }  // namespace
 
 EffectKind self_heating_kind() {
-  return {
-      .name = "heat",
-      .catalogue_id = "self_heating",
-      .symbol_count = 1,
-      .parameters = {{"tau", "s", 1, 1e6}},
-      .output_unit = "mm/s",
-      .sentence =
-          "the channel's mean speed over the last tau: what its motion heats (mm/s or arcsec/s)",
-      .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
-        return std::make_unique<HeatState>(parameters[0].value);
-      },
-      .channel_units = {"mm"},
-      .observes_path = true,
-      .of_coordinate = true};
+  return {.name = "heat",
+          .catalogue_id = "self_heating",
+          .symbol_count = 1,
+          .parameters = {{"tau", "s", 1, 1e6}},
+          .output_unit = "mm/s",
+          .sentence =
+              "the channel's mean speed over the last tau: what its motion heats (its unit, per "
+              "second)",
+          .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
+            return std::make_unique<HeatState>(parameters[0].value);
+          },
+          .channel_units = {"mm"},
+          .observes_path = true,
+          .of_coordinate = true};
 }
 
 }  // namespace driftwise::effects

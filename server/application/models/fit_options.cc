@@ -16,9 +16,10 @@
 namespace driftwise::application {
 namespace {
 
-Result<void> parse_terms(const std::vector<std::string>& texts, std::vector<effects::Term>& out) {
+Result<void> parse_terms(const std::vector<std::string>& texts, const Dataset& dataset,
+                         std::vector<effects::Term>& out) {
   for (const auto& text : texts) {
-    DRIFTWISE_TRY(auto term, formats::parse_term(text));
+    DRIFTWISE_TRY(auto term, formats::parse_term(text, dataset));
     out.push_back(std::move(term));
   }
   return {};
@@ -44,8 +45,8 @@ Result<calibration::FitOptions> fit_options_from(const FitRequest& request, cons
   options.hierarchy = request.hierarchy;
   options.starts = request.starts;
   options.seed = request.seed;
-  DRIFTWISE_RETURN_IF_ERROR(parse_terms(request.force_terms, options.forced));
-  DRIFTWISE_RETURN_IF_ERROR(parse_terms(request.without_terms, options.excluded));
+  DRIFTWISE_RETURN_IF_ERROR(parse_terms(request.force_terms, dataset, options.forced));
+  DRIFTWISE_RETURN_IF_ERROR(parse_terms(request.without_terms, dataset, options.excluded));
   options.exclude_channels = request.exclude_channels;
   options.weight_symbol = request.weight_symbol;
   options.first_rows = request.first_rows;

@@ -1,10 +1,12 @@
 #include "server/diagnosis/rows/catalogue_units.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include "server/core/unit_conversion.h"
+#include "server/effects/effect.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -41,14 +43,36 @@ Dataset in_catalogue_units(const Dataset& dataset) {
   return result;
 }
 
+calibration::Candidates in_catalogue_units(const calibration::Candidates& baseline) {
+  calibration::Candidates result = baseline;
+  for (auto& term : result.terms)
+    for (auto& factor : term.factors) {
+      auto* call = std::get_if<effects::Call>(&factor);
+      const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
+      if (kind == nullptr || !kind->of_coordinate) continue;
+      const bool angle = std::ranges::any_of(
+          call->parameters, [](const effects::Quantity& one) { return is_angle(one.unit); });
+      if (auto made = effects::for_coordinate_in(angle ? "arcsec" : "mm", *call)) *call = *made;
+    }
+  return result;
+}
+
 double coefficient_factor(const Dataset& dataset, const effects::Term& term,
                           const std::string& output) {
   double factor = 1;
   if (const auto* column = dataset.find(output)) factor /= factor_of(column->channel);
-  for (const auto& one : term.factors)
-    if (const auto* power = std::get_if<effects::Power>(&one))
-      if (const auto* column = dataset.find(power->symbol))
-        factor *= std::pow(factor_of(column->channel), power->exponent);
+  for (const auto& one : term.factors) {
+    const auto* power = std::get_if<effects::Power>(&one);
+    const auto* call = std::get_if<effects::Call>(&one);
+    if (call != nullptr && call->symbols.empty()) continue;
+    const auto* column = dataset.find(power != nullptr ? power->symbol : call->symbols.front());
+    if (column == nullptr) continue;
+    const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
+    if (power != nullptr)
+      factor *= std::pow(factor_of(column->channel), power->exponent);
+    else if (kind != nullptr && kind->output_unit.starts_with("mm"))
+      factor *= factor_of(column->channel);
+  }
   return factor;
 }
 

@@ -338,7 +338,8 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
     return fail(ErrorCode::invalid_argument, reasons::kNoOutput, "the baseline names no output");
   std::vector<effects::Term> base = constants(dataset);
   const std::size_t always = base.size();
-  for (const auto& term : baseline.terms) base.push_back(effects::canonical(term));
+  for (const auto& term : in_catalogue_units(baseline).terms)
+    base.push_back(effects::canonical(term));
   for (const auto& symbol : baseline.outputs)
     if (dataset.find(symbol) == nullptr)
       return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,

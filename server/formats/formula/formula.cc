@@ -65,26 +65,31 @@ Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& na
   return outputs;
 }
 
-// "" when every effect observes channels of the units it needs.
-std::string wrong_unit(const effects::Term& term, const std::vector<Channel>& channels) {
-  for (const auto& factor : term.factors) {
-    const auto* call = std::get_if<effects::Call>(&factor);
+// Each effect's parameters in the unit that goes with its channel's. Errors: BAD_UNIT.
+Result<effects::Term> in_units_of(const std::vector<Channel>& channels, effects::Term term,
+                                  std::string_view text, std::size_t at) {
+  for (auto& factor : term.factors) {
+    auto* call = std::get_if<effects::Call>(&factor);
     const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
     if (kind == nullptr || kind->channel_units.empty()) continue;
     for (std::size_t i = 0; i < call->symbols.size(); ++i) {
       const auto channel = std::ranges::find(channels, call->symbols[i], &Channel::symbol);
       if (channel == channels.end()) continue;
+      const std::string observed = effects::notation(factor) + " observes " + channel->name();
       if (kind->of_coordinate && i == 0) {
-        if (const auto why = effects::wrong_coordinate(*kind, *call, channel->unit); !why.empty())
-          return effects::notation(factor) + " observes " + channel->name() + ": " + why;
+        auto made = effects::for_coordinate_in(channel->unit, *call);
+        if (!made)
+          return bad_formula(text, at, observed + ": " + made.error().message, reasons::kBadUnit);
+        *call = std::move(*made);
         continue;
       }
-      if (channel->unit != kind->channel_units[i])
-        return effects::notation(factor) + " observes " + channel->name() +
-               ", expected a channel in " + kind->channel_units[i];
+      const auto& wanted = kind->channel_units[i];
+      if (channel->unit != wanted && !(is_length(channel->unit) && is_length(wanted)))
+        return bad_formula(text, at, observed + ", expected a channel in " + wanted,
+                           reasons::kBadUnit);
     }
   }
-  return "";
+  return term;
 }
 
 }  // namespace
@@ -108,23 +113,30 @@ Result<calibration::Candidates> Formula::expand(
       candidates.constant = true;
       continue;
     }
-    if (const auto wrong = wrong_unit(term, channels); !wrong.empty())
-      return bad_formula(text, parsed.sum.at, wrong, reasons::kBadUnit);
-    for (const auto& symbol : effects::symbols_read_at_once(term))
+    DRIFTWISE_TRY(auto fitting, in_units_of(channels, std::move(term), text, parsed.sum.at));
+    for (const auto& symbol : effects::symbols_read_at_once(fitting))
       if (std::ranges::find(candidates.outputs, symbol) != candidates.outputs.end())
-        return bad_formula(
-            text, parsed.sum.at,
-            "the output " + symbol + " stands among its own terms, in " + effects::notation(term));
-    candidates.terms.push_back(std::move(term));
+        return bad_formula(text, parsed.sum.at,
+                           "the output " + symbol + " stands among its own terms, in " +
+                               effects::notation(fitting));
+    candidates.terms.push_back(std::move(fitting));
   }
   return candidates;
 }
 
-Result<calibration::Candidates> Formula::expand(const Dataset& dataset) const {
+namespace {
+
+std::vector<Channel> channels_of(const Dataset& dataset) {
   std::vector<Channel> channels;
   for (const auto& column : dataset.columns) channels.push_back(column.channel);
   if (!dataset.dwell_s.empty()) channels.push_back({"dwell", "s"});
-  return expand(channels, parts_from(dataset.metadata));
+  return channels;
+}
+
+}  // namespace
+
+Result<calibration::Candidates> Formula::expand(const Dataset& dataset) const {
+  return expand(channels_of(dataset), parts_from(dataset.metadata));
 }
 
 namespace {
@@ -171,6 +183,11 @@ Result<effects::Term> parse_term(std::string_view text) {
     term.factors.push_back(std::move(factor));
   }
   return effects::canonical(term);
+}
+
+Result<effects::Term> parse_term(std::string_view text, const Dataset& dataset) {
+  DRIFTWISE_TRY(auto term, parse_term(text));
+  return in_units_of(channels_of(dataset), std::move(term), text, 0);
 }
 
 Result<calibration::Model> fit_formula(const Dataset& dataset, std::string_view formula,

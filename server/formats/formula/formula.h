@@ -65,6 +65,8 @@ class Formula {
 // One term as effects::notation prints it: "x^2:t07", "rate(t07, 300 s)", "datum(2)", "1". Errors
 // as parse().
 Result<effects::Term> parse_term(std::string_view text);
+// As a person writes it of these data: a period may be in any unit, as in expand().
+Result<effects::Term> parse_term(std::string_view text, const Dataset& dataset);
 
 // Formula::parse, expand and calibration::fit in one: options.candidates is what the formula says.
 Result<calibration::Model> fit_formula(const Dataset& dataset, std::string_view formula,

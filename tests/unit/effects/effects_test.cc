@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "server/effects/effect.h"
@@ -123,7 +124,7 @@ TEST(Contact, IsTheLoadToTwoThirdsWithItsSign) {
 }
 
 TEST(EffectsOfCoordinates, AnAngleHasItsPeriodAndItsPlayInArcseconds) {
-  const auto wave = checked({"sin", {"rz"}, {{0.02, "deg"}}});
+  const auto wave = for_coordinate_in("arcsec", *checked({"sin", {"rz"}, {{0.02, "deg"}}}));
   ASSERT_TRUE(wave.has_value());
   EXPECT_EQ(wave->parameters[0].unit, "arcsec");
   EXPECT_NEAR(wave->parameters[0].value, 72, 1e-12);
@@ -136,15 +137,36 @@ TEST(EffectsOfCoordinates, AnAngleHasItsPeriodAndItsPlayInArcseconds) {
   EXPECT_EQ(step(*play, 2, 50), 2);
 }
 
+// The same sine of the same place, a twelfth of a period from zero, whatever the channel's unit.
+TEST(EffectsOfCoordinates, APeriodIsReadInTheUnitOfTheChannel) {
+  const struct {
+    const char* channel;
+    double place;
+    Quantity period;
+  } cases[] = {{"m", 1e-6, {12, "um"}},          {"mm", 0.001, {12000, "nm"}},
+               {"um", 1, {0.012, "mm"}},         {"nm", 1000, {12, "um"}},
+               {"nm", 1000, {12000, "nm"}},      {"deg", 30, {360, "deg"}},
+               {"deg", 30, {1296000, "arcsec"}}, {"rad", std::numbers::pi / 6, {360, "deg"}},
+               {"arcsec", 3, {0.01, "deg"}}};
+  for (const auto& one : cases) {
+    const auto call = for_coordinate_in(one.channel, *checked({"sin", {"q1"}, {one.period}}));
+    ASSERT_TRUE(call.has_value()) << one.channel;
+    const auto again = for_coordinate_in(one.channel, *checked(*call));
+    EXPECT_EQ(*again, *call) << one.channel;
+    auto sine = find_effect("sin")->make(call->parameters);
+    EXPECT_NEAR(step(*sine, 0, one.place), 0.5, 1e-9) << one.channel << " " << one.period.unit;
+  }
+}
+
 TEST(EffectsOfCoordinates, APeriodOfTheWrongKindIsToldWithTheUnitThatIsExpected) {
-  const auto& sine = *find_effect("sin");
-  EXPECT_EQ(wrong_coordinate(sine, {"sin", {"rz"}, {{72, "arcsec"}}}, "arcsec"), "");
-  EXPECT_EQ(wrong_coordinate(sine, {"sin", {"rz"}, {{72, "nm"}}}, "arcsec"),
+  EXPECT_TRUE(for_coordinate_in("arcsec", {"sin", {"rz"}, {{72, "arcsec"}}}).has_value());
+  EXPECT_EQ(for_coordinate_in("arcsec", {"sin", {"rz"}, {{72, "nm"}}}).error().message,
             "its period is in nm, expected arcsec as the channel is in arcsec");
-  EXPECT_EQ(wrong_coordinate(sine, {"sin", {"t04"}, {{72, "nm"}}}, "degC"),
-            "expected a channel in mm or arcsec");
+  EXPECT_EQ(for_coordinate_in("degC", {"sin", {"t04"}, {{72, "nm"}}}).error().message,
+            "expected a channel of lengths (m, mm, um, nm) or angles (rad, deg, arcsec)");
   EXPECT_EQ(output_unit(*find_effect("heat"), "arcsec"), "arcsec/s");
   EXPECT_EQ(output_unit(*find_effect("heat"), "mm"), "mm/s");
+  EXPECT_EQ(output_unit(*find_effect("play"), "um"), "um");
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST(Formula, LetsTheTermsOfAMotorCoordinateObserveItsPath) {
 TEST(Formula, RefusesAnEffectOnAChannelOfAnotherUnit) {
   const Error error = error_of("q1 ~ sin(t04, 316.4 nm)");
   EXPECT_EQ(error.reason, "BAD_UNIT");
-  EXPECT_THAT(error.message, HasSubstr("observes t04_degC: expected a channel in mm or arcsec"));
+  EXPECT_THAT(error.message, HasSubstr("observes t04_degC: expected a channel of lengths"));
 }
 
 TEST(Formula, OfferedTwiceIsOfferedOnce) {

@@ -44,7 +44,8 @@ void add_separating(const Session& session, const DiagnoseArguments& a, const Da
   const Dataset data = diagnosis::in_catalogue_units(given);
   auto limits = diagnosis::limits_from(data);
   limits.budget_s = a.budget_h * kSecondsPerHour;
-  const auto plan = diagnosis::separating_plan(data, baseline, found, limits);
+  const auto plan =
+      diagnosis::separating_plan(data, diagnosis::in_catalogue_units(baseline), found, limits);
   if (!plan) {
     found.warnings.push_back("no separating measurement was designed: " + plan.error().message);
     return;

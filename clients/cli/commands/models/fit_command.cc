@@ -23,9 +23,9 @@
 namespace driftwise::cli {
 namespace {
 
-std::vector<effects::Term> terms_of(const std::vector<std::string>& texts) {
+std::vector<effects::Term> terms_of(const std::vector<std::string>& texts, const Dataset& data) {
   std::vector<effects::Term> terms;
-  for (const auto& text : texts) terms.push_back(value_or_throw(formats::parse_term(text)));
+  for (const auto& text : texts) terms.push_back(value_or_throw(formats::parse_term(text, data)));
   return terms;
 }
 
@@ -213,8 +213,6 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
       threads::threaded_executor(fit.threads == 0 ? threads::processors() : fit.threads);
   options.p_enter = fit.p_enter;
   options.p_remove = fit.p_remove;
-  options.forced = terms_of(fit.force);
-  options.excluded = terms_of(fit.without);
   options.exclude_channels = fit.exclude;
   options.weight_symbol = fit.weights;
   options.first_rows = fit.first_rows;
@@ -267,6 +265,8 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
   options.set_names = set_names_of(data, fit, text, name);
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
   options.candidates = value_or_throw(formula.expand(data));
+  options.forced = terms_of(fit.force, data);
+  options.excluded = terms_of(fit.without, data);
   auto fitted = calibration::fit(data, options);
   if (!fitted) fitted.error().message.insert(0, name + ": ");  // which of many files
   const calibration::Model model = value_or_throw(std::move(fitted));

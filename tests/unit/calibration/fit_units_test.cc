@@ -1,0 +1,79 @@
+// The same readings in other units are the same fit.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "server/formats/formula/formula.h"
+
+namespace driftwise::calibration {
+namespace {
+
+struct Unit {
+  const char* name;
+  double per_first;  // of the first unit
+};
+
+// A coordinate of 8 units that goes and comes back, with a play of 2e-3 of them, a wave of 0.02
+// along the pose, and what is left of each move after 300 s.
+Dataset moved(const Unit& of_motor, const Unit& of_pose, const char* pose) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> place(0, 8);
+  Dataset data;
+  std::vector<double> q, x;
+  double side = 1, before = 0, creep = 0;
+  for (std::size_t row = 0; row < 300; ++row) {
+    const double at = place(random), move = row == 0 ? 0 : at - before;
+    side = row == 0 ? 0 : move > 0 ? 1 : -1;
+    creep = creep * std::exp(-20.0 / 300) + move;
+    before = at;
+    const double wave = 0.0002 * std::sin(2 * std::numbers::pi * at / 0.02);
+    data.time_s.push_back(20.0 * static_cast<double>(row));
+    x.push_back(of_pose.per_first * at);
+    q.push_back(of_motor.per_first *
+                (at + wave + 1e-3 * side + 1e-4 * creep + 2e-5 * normal(random)));
+  }
+  data.rows = data.time_s.size();
+  data.columns = {{{"q1", of_motor.name}, q}, {{pose, of_pose.name}, x}};
+  return data;
+}
+
+// In the first unit.
+double u90(const Unit& motor, const Unit& of_pose, const char* pose, const std::string& formula) {
+  const Dataset data = moved(motor, of_pose, pose);
+  FitOptions options;
+  options.select = Select::all;
+  const auto model = formats::fit_formula(data, formula, options);
+  EXPECT_TRUE(model.has_value()) << formula << ": " << (model ? "" : model.error().message);
+  return model ? model->outputs.front().accuracy.u90_calibration / motor.per_first : 0;
+}
+
+TEST(TheSameReadingsInOtherUnits, AreTheSameFitOfPlayCreepAndWaves) {
+  const std::string formula =
+      "q1 ~ x + play(q1, 2000 nm) + creep(q1, 300 s) + sin(x, 20 um) + cos(x, 20000 nm)";
+  const Unit mm{"mm", 1}, others[] = {{"m", 1e-3}, {"um", 1e3}, {"nm", 1e6}};
+  const double wanted = u90(mm, mm, "x", formula);
+  EXPECT_NEAR(wanted, 1.645 * 2e-5, 6e-6);  // of the noise
+  for (const Unit& one : others)
+    for (const Unit& other : others)
+      EXPECT_NEAR(u90(one, other, "x", formula), wanted, 1e-3 * wanted)
+          << one.name << " over " << other.name;
+}
+
+TEST(TheSameReadingsInOtherUnits, AreTheSameFitOfAnglesToo) {
+  const std::string formula =
+      "q1 ~ rz + play(q1, 7.2 arcsec) + creep(q1, 300 s) + sin(rz, 72 arcsec) + cos(rz, 0.02 deg)";
+  const Unit deg{"deg", 1}, others[] = {{"rad", std::numbers::pi / 180}, {"arcsec", 3600}};
+  const double wanted = u90(deg, deg, "rz", formula);
+  EXPECT_NEAR(wanted, 1.645 * 2e-5, 6e-6);  // of the noise
+  for (const Unit& one : others)
+    for (const Unit& other : others)
+      EXPECT_NEAR(u90(one, other, "rz", formula), wanted, 1e-3 * wanted)
+          << one.name << " over " << other.name;
+}
+
+}  // namespace
+}  // namespace driftwise::calibration
