@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "server/core/units.h"
 #include "server/diagnosis/catalogue/linear_parameter.h"
@@ -377,8 +378,14 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
         typical = std::min(typical, kWaveOfAngle * parameter);
         factor = 10;
       }
+      // An error that turns back faster than its coordinate goes on would read backwards.
+      double most = kUnlimited;
+      if (cause.id == "cyclic_error" && cause.parameter == "period_nm" && length)
+        most = parameter / (2 * std::numbers::pi) *
+               std::max(1.0, slopes_.row(o).cwiseAbs().maxCoeff());
+      typical = std::min(typical, most / 3);
       result.typical(k, o) = width_ * typical;
-      result.range(k, o) = width_ * typical * factor;
+      result.range(k, o) = width_ * std::min(typical * factor, most);
     }
   }
   return result;

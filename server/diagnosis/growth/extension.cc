@@ -174,8 +174,9 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
   result.prior = physics_.prior(what, result.terms, result.refined.value, learned);
   result.gain = ground.settled_gain(learned, result.prior.typical);
   result.refined.gain = result.gain.gain;
-  result.nameable = result.gain.gain > 0 && within_range(result, learned, ground) &&
-                    told_from_geometry_(what, learned, result.gain.shape, ground);
+  result.nameable =
+      result.gain.gain > 0 && within_range(result, learned, ground) &&
+      told_from_geometry_(what, result.refined.value, learned, result.gain.shape, ground);
   result.evidence = result.gain.gain + standing.occam();
   result.beyond = result.evidence + standing.over_chance();
   return result;

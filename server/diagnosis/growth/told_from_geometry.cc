@@ -7,10 +7,15 @@
 #include <limits>
 #include <string>
 
+#include "server/core/units.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kShareBeyondGeometry = 0.5;
+// A polynomial of this degree leaves 12 % of one and a half periods and half of two.
+constexpr int kSmoothDegree = 4;
+constexpr double kShareOfWave = 0.25;
 constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
 constexpr Eigen::Index kFewestRowsPerMonomial = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
@@ -57,11 +62,37 @@ double explained(const Eigen::MatrixXd& columns, const Eigen::VectorXd& series) 
 
 }  // namespace
 
-ToldFromGeometry::ToldFromGeometry(const Problem& problem) : geometry_(geometry_of(problem)) {}
+ToldFromGeometry::ToldFromGeometry(const Problem& problem)
+    : problem_(problem), geometry_(geometry_of(problem)) {}
 
-bool ToldFromGeometry::operator()(const Cause& cause, const Eigen::MatrixXd& columns,
+bool ToldFromGeometry::turns_on_these_places(const Cause& cause, double period,
+                                             const Eigen::MatrixXd& columns) const {
+  const auto values = problem_.prepared.phase_values(cause.subject);
+  if (values.empty()) return true;
+  Eigen::MatrixXd smooth(static_cast<Eigen::Index>(values.size()), kSmoothDegree + 1);
+  double low = kUnlimited, high = -kUnlimited;
+  for (const std::size_t row : problem_.learn) {
+    low = std::min(low, values[row]);
+    high = std::max(high, values[row]);
+  }
+  const double range = cause.parameter == "period_nm" ? nm_from_mm(high - low) : high - low;
+  if (!(range > 2 * period)) return true;
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    const double place = (2 * values[row] - low - high) / (high - low);
+    for (int k = 0; k <= kSmoothDegree; ++k)
+      smooth(static_cast<Eigen::Index>(row), k) = std::pow(place, k);
+  }
+  const Eigen::MatrixXd known = problem_.learned(smooth);
+  const Eigen::MatrixXd wave = columns.rowwise() - columns.colwise().mean();
+  const Eigen::MatrixXd beyond = wave - known * known.colPivHouseholderQr().solve(wave);
+  return beyond.squaredNorm() >= kShareOfWave * wave.squaredNorm();
+}
+
+bool ToldFromGeometry::operator()(const Cause& cause, double parameter,
+                                  const Eigen::MatrixXd& columns,
                                   const std::vector<std::size_t>& shape,
                                   const Ground& ground) const {
+  if (cause.id == "cyclic_error") return turns_on_these_places(cause, parameter, columns);
   if (cause.linear != LinearParameter::offset_mm && cause.linear != LinearParameter::angle_arcsec)
     return true;
   if (geometry_.cols() > geometry_.rows() / kFewestRowsPerMonomial) return true;

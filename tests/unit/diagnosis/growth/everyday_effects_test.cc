@@ -53,6 +53,31 @@ TEST(ALever, IsNamedHoweverMuchTheTiltScatters) {
   }
 }
 
+// Targets that are whole multiples of 10 um: on them a wave of 10.0001 um, of a scale, is one slow
+// turn over the stroke, and as smooth as the rail.
+TEST(ABentRail, IsNoWaveOfAScale) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> off(-0.5, 0.5);
+    std::vector<double> targets;
+    for (int k = 0; k < 21; ++k)
+      targets.push_back(0.01 * std::round(100 * (40.0 * k + (k % 20 == 0 ? 0 : 8 * off(random)))));
+    Dataset data;
+    std::vector<double> q, x;
+    for (std::size_t row = 0; row < 400; ++row) {
+      const std::size_t k = row % 40;
+      const double at = targets[k < 21 ? k : 40 - k], u = at / 400 - 1;
+      data.time_s.push_back(12.0 * static_cast<double>(row));
+      q.push_back(at);
+      x.push_back(at + 1e-3 * (1.5 * (u * u * u - 0.6 * u) + 0.35 * normal(random)));
+    }
+    data.rows = data.time_s.size();
+    data.columns = {{{"q1", "mm"}, q}, {{"x", "mm"}, x}};
+    EXPECT_THAT(names_found(diagnosed(data, "q1 ~ x")), ElementsAre("geometry_order x")) << seed;
+  }
+}
+
 // A table that is divided in 36, each way, its disk 2 arcsec off its centre: readings against the
 // encoder, and deviations with no other coordinate than the encoder's.
 TEST(AnEccentricTable, ErrsOnceATurn) {
