@@ -17,6 +17,7 @@
 #include "server/diagnosis/growth/left_over.h"
 #include "server/diagnosis/growth/omnibus.h"
 #include "server/diagnosis/noise/two_sides.h"
+#include "server/diagnosis/path_of_turns.h"
 #include "server/diagnosis/report/as_read.h"
 #include "server/diagnosis/report/division.h"
 #include "server/diagnosis/report/heading.h"
@@ -28,6 +29,7 @@
 #include "server/diagnosis/rows/missing_values.h"
 #include "server/diagnosis/rows/screen.h"
 #include "server/diagnosis/search/column_bank.h"
+#include "server/diagnosis/stand_ins.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -428,6 +430,12 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     if (found) found->warnings.insert(found->warnings.begin(), usable->sentence);
     return found;
   }
+  if (options.simulated.size() == 0)
+    if (const auto with = stand_ins(dataset, options)) {
+      auto found = diagnose(with->data, with->options);
+      if (found) name_as_in_file(*with, *found);
+      return found;
+    }
   if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
   auto whole =
       without_gaps(in_catalogue_units(dataset), conditions_of(dataset, options.baseline.outputs));
@@ -447,14 +455,15 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     // As a fit has further datums (docs/decisions/0005): a constant alone would leave a slope where
     // the geometry is curved, and some cause would be found for it.
     calibration::FitOptions fit;
-    fit.candidates = asked.baseline;
+    fit.candidates = in_catalogue_units(asked.baseline);
     fit.candidates.constant = true;
     mended = calibration::in_first_datum(mended, calibration::find_datum_zeros(mended, fit));
   }
   // What was simulated was identified without two of ten blocks (robot_diagnosis.cc): no other rows
   // are unseen.
   const auto judging = options.simulated.size() > 0 ? Judging::apart : Judging::in_turn;
-  DRIFTWISE_TRY(auto problem, lay_out(mended, asked.baseline, kMostSearched, judging));
+  DRIFTWISE_TRY(auto problem,
+                lay_out_on_path(mended, asked.baseline, kMostSearched, judging, whole.sentences));
   if (options.simulated.size() > 0)
     for (std::size_t o = 0; o < problem.outputs.size(); ++o)
       problem.outputs[o].measured -=

@@ -12,4 +12,8 @@ namespace driftwise::effects {
 // Every channel symbol that the term reads other than by a path, each once. Any thread.
 std::vector<std::string> symbols_read_at_once(const Term& term);
 
+// A play, a creep, what motion heats: where the coordinate has been counts.
+bool goes_along_path(const Call& call);
+bool reads_path(const Term& term);
+
 }  // namespace driftwise::effects

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "server/calibration/design/candidate_terms.h"
+#include "server/core/data/overruns.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/direct_symbols.h"
@@ -54,6 +55,14 @@ std::vector<double> datum_column(const std::vector<double>& ordinals, int ordina
 // or not.
 Result<std::vector<double>> effect_column(const Dataset& dataset, const effects::Call& call,
                                           const std::string& name) {
+  if (effects::goes_along_path(call) && says_overruns(dataset)) {
+    WholePath whole = with_overruns(dataset);
+    whole.data.metadata.clear();
+    DRIFTWISE_TRY(const auto along, effect_column(whole.data, call, name));
+    std::vector<double> column;
+    for (const std::size_t row : whole.kept) column.push_back(along[row]);
+    return column;
+  }
   std::vector<std::span<const double>> inputs;
   for (const auto& symbol : call.symbols) {
     DRIFTWISE_TRY(auto values, channel_values(dataset, symbol, name));

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "server/calibration/design/design.h"
+#include "server/core/data/overruns.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/effects/direct_symbols.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
 
@@ -20,9 +23,9 @@ std::size_t chunks_in(const Dataset& dataset) {
 
 // Feeds the rows through the evaluator in chunks; use(first row, columns): in order, or where no
 // term has memory on the executor's threads.
-template <class Use>
 Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::Term>& terms,
-                            const Executor& executor, Use use) {
+                            const Executor& executor,
+                            const std::function<void(Eigen::Index, const Eigen::MatrixXd&)>& use) {
   std::vector<std::string> symbols;
   for (const auto& term : terms)
     for (const auto& symbol : effects::symbols_of(term))
@@ -42,6 +45,18 @@ Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::T
   if (evaluator.has_memory() && dataset.time_s.empty())
     return fail(ErrorCode::invalid_argument, reasons::kUntimed,
                 "the model has effects with memory: the data need a time_s column");
+  if (std::ranges::any_of(terms, effects::reads_path) && says_overruns(dataset)) {
+    WholePath whole = with_overruns(dataset);
+    whole.data.metadata.clear();
+    Eigen::MatrixXd along(static_cast<Eigen::Index>(whole.data.rows),
+                          static_cast<Eigen::Index>(terms.size()));
+    DRIFTWISE_RETURN_IF_ERROR(for_each_chunk(whole.data, terms, executor,
+                                             [&](Eigen::Index at, const Eigen::MatrixXd& columns) {
+                                               along.middleRows(at, columns.rows()) = columns;
+                                             }));
+    use(0, Eigen::MatrixXd(along(whole.kept, Eigen::all)));
+    return {};
+  }
   const auto evaluate = [&](effects::TermEvaluator& one, std::size_t number) {
     const std::size_t at = number * kPredictRows, count = std::min(kPredictRows, dataset.rows - at);
     std::vector<std::span<const double>> chunk;

@@ -69,6 +69,9 @@ CatalogueBuilder::CatalogueBuilder(const Dataset& dataset, const std::vector<eff
     known_.insert(effects::notation(effects::canonical(term)));
     for (const auto& symbol : effects::symbols_of(term)) read.insert(symbol);
   }
+  // Where nothing is a length there is none to tilt: a rotation is where a table stands.
+  const bool any_length = std::ranges::any_of(
+      dataset.columns, [](const DatasetColumn& column) { return is_length(column.channel.unit); });
   for (const auto& column : dataset.columns) {
     const auto& channel = column.channel;
     if (!varies(channel.symbol)) continue;
@@ -77,8 +80,8 @@ CatalogueBuilder::CatalogueBuilder(const Dataset& dataset, const std::vector<eff
     if (is_structure_temperature(channel)) temperatures_.push_back(channel.symbol);
     const bool length = channel.unit == "mm", angle = channel.unit == "arcsec";
     if (length && pose) lengths_.push_back(channel.symbol);
-    if (angle && pose) tilts_.push_back(channel.symbol);
-    if (pose && (length || (angle && read.contains(channel.symbol))))
+    if (angle && pose && any_length) tilts_.push_back(channel.symbol);
+    if (pose && (length || (angle && (!any_length || read.contains(channel.symbol)))))
       axes_.push_back(channel.symbol);
     if ((length || angle) && is_motor_symbol(channel.symbol)) motors_.push_back(channel.symbol);
   }

@@ -8,6 +8,7 @@
 #include "server/calibration/design/predict.h"
 #include "server/diagnosis/rows/places.h"
 #include "server/diagnosis/rows/smoothing.h"
+#include "server/effects/direct_symbols.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -19,12 +20,6 @@ bool is_wave_in_coordinate(const effects::Term& term) {
   });
 }
 
-bool observes_path(const effects::Term& term) {
-  return std::ranges::any_of(term.factors, [](const effects::Factor& factor) {
-    const auto* call = std::get_if<effects::Call>(&factor);
-    return call != nullptr && !call->symbols.empty() && is_motor_symbol(call->symbols.front());
-  });
-}
 
 // A rate over at most this many typical steps of the rows is the derivative at the row; over less
 // than the second it is that of the readings as they are.
@@ -135,7 +130,7 @@ void Prepared::set_coordinate(const std::string& symbol, const std::vector<doubl
 Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& terms) const {
   const auto from = [&](const effects::Term& term) {
     if (is_wave_in_coordinate(term)) return &at_places_;
-    return observes_path(term) ? &on_path_ : &clocked_;
+    return effects::reads_path(term) ? &on_path_ : &clocked_;
   };
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(data_.rows),
                           static_cast<Eigen::Index>(terms.size()));

@@ -44,11 +44,4 @@ struct EverydayAxis {
   Diagnosis diagnosed() const { return diagnosis::diagnosed(dataset(), "q1 ~ x + x^2 + T"); }
 };
 
-inline std::vector<std::string> names_found(const Diagnosis& found) {
-  std::vector<std::string> names;
-  for (const auto& finding : found.findings)
-    names.push_back(finding.cause + (finding.subject.empty() ? "" : " " + finding.subject));
-  return names;
-}
-
 }  // namespace driftwise::diagnosis

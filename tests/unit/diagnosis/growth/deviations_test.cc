@@ -1,0 +1,104 @@
+// Files of machine tools: deviations beside commanded or nominal positions, and targets that ISO
+// 230-2 has read from either side, with an overrun between that no row shows.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct Hidden {
+  double play_um = 0, bend_um = 0, ppm_per_k = 0;
+};
+
+// Five runs up and five down over 21 targets; the last target is read, overrun, and read again.
+Dataset iso_230_2(const std::string& position, const Hidden& hidden, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> at_mm, deviation_um, t01_degC;
+  Dataset data;
+  for (std::size_t row = 0; row < 210; ++row) {
+    const std::size_t run = row / 21, k = row % 21;
+    const bool up = run % 2 == 0;
+    const double at = 40.0 * static_cast<double>(up ? k : 20 - k), u = at / 400 - 1;
+    const double t01 = 20 + 0.8 * std::sin(static_cast<double>(row) / 37);
+    at_mm.push_back(at);
+    t01_degC.push_back(t01);
+    deviation_um.push_back(0.012 * at - (up ? 0.5 : -0.5) * hidden.play_um +
+                           hidden.bend_um * u * u + 1e-3 * hidden.ppm_per_k * at * (t01 - 20) +
+                           0.35 * normal(random));
+    data.time_s.push_back(12.0 * static_cast<double>(row));
+  }
+  data.rows = data.time_s.size();
+  data.columns = {
+      {{position, "mm"}, at_mm}, {{"ex", "um"}, deviation_um}, {{"t01", "degC"}, t01_degC}};
+  return data;
+}
+
+TEST(DeviationsBesidePositions, HaveTheCausesOfAPathAndOfAPoseWhateverThePositionsAreCalled) {
+  for (const std::string position : {"x", "q1"}) {
+    const std::string baseline = "ex ~ " + position;
+    const auto found = [&](const Hidden& hidden, std::uint64_t seed) {
+      return names_found(diagnosed(iso_230_2(position, hidden, seed), baseline));
+    };
+    EXPECT_THAT(found({}, 1), ElementsAre());
+    EXPECT_THAT(found({.play_um = 2}, 2), ElementsAre("backlash " + position));
+    EXPECT_THAT(found({.bend_um = 1.5}, 3), ElementsAre("geometry_order " + position));
+    EXPECT_THAT(found({.ppm_per_k = 8}, 4), ElementsAre("thermal_expansion t01"));
+  }
+}
+
+TEST(DeviationsBesidePositions, HaveAFormulaInTheNamesOfTheFile) {
+  const auto found = diagnosed(iso_230_2("q1", {.bend_um = 1.5}, 3), "ex ~ q1");
+  EXPECT_THAT(found.extended_formula, ::testing::StartsWith("ex ~ q1 + q1^2"));
+  ASSERT_FALSE(found.findings.empty());
+  EXPECT_THAT(found.findings[0].sentence, HasSubstr("q1"));
+}
+
+// The file says it from then on, and a fit is as good as the diagnosis promised.
+TEST(TargetsReadFromEitherSide, AreAsReachedFromEitherSideWhereAnOverrunIsInNoRow) {
+  Dataset data = iso_230_2("x", {.play_um = 2}, 5);
+  const auto found = diagnosed(data, "ex ~ x");
+  ASSERT_THAT(names_found(found), ElementsAre("backlash x"));
+  EXPECT_NEAR(found.findings[0].parameters[0].value, 2000, 250);  // nm
+  EXPECT_THAT(found.warnings, Contains(HasSubstr("# overruns: yes")));
+  const auto u90 = [&] {
+    calibration::FitOptions options;
+    options.select = calibration::Select::all;
+    return formats::fit_formula(data, "ex ~ x + play(x, 2 um)", options)
+        ->outputs.front()
+        .accuracy.u90_calibration;
+  };
+  EXPECT_GT(u90(), 1.645 * 0.4);
+  data.metadata.emplace_back("overruns", "yes");
+  EXPECT_NEAR(u90(), 1.645 * 0.35, 0.07);
+  EXPECT_THAT(diagnosed(data, "ex ~ x").warnings, ::testing::Not(Contains(HasSubstr("overruns"))));
+}
+
+// Read twice where it turns, without an overrun: the second reading is on the same side.
+TEST(TargetsReadFromEitherSide, AreOnTheSideThatTheReadingsShow) {
+  Dataset data = iso_230_2("x", {}, 6);
+  auto& deviation = data.columns[1].values;
+  double side = 0;
+  for (std::size_t row = 1; row < data.rows; ++row) {
+    const auto& at = data.columns[0].values;
+    if (at[row] != at[row - 1]) side = at[row] > at[row - 1] ? 1 : -1;
+    deviation[row] -= side;
+  }
+  const auto found = diagnosed(data, "ex ~ x");
+  EXPECT_THAT(names_found(found), ElementsAre("backlash x"));
+  EXPECT_THAT(found.warnings, ::testing::Not(Contains(HasSubstr("overruns"))));
+}
+
+}  // namespace
+}  // namespace driftwise::diagnosis
