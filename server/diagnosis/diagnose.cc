@@ -24,6 +24,7 @@
 #include "server/diagnosis/report/loose_terms.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
+#include "server/diagnosis/report/taken_by_time.h"
 #include "server/diagnosis/rounded_outputs.h"
 #include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/rows/missing_values.h"
@@ -329,6 +330,7 @@ class Diagnoser {
     for (auto& mean :
          means_beyond_noise(problem_, result_.outputs, extension.all().columns, options_.alpha))
       result_.left_over.push_back(std::move(mean));
+    for (auto& said : taken_by_time(result_)) result_.warnings.push_back(std::move(said));
     for (const auto& worse : outputs_made_worse(result_))
       result_.warnings.push_back("held-out A90 got worse with the findings: " + worse);
     if (problem_.judged_in_turn)

@@ -13,9 +13,11 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kShareBeyondGeometry = 0.5;
-// A polynomial of this degree leaves 12 % of one and a half periods and half of two.
+// A polynomial of this degree leaves 12 % of one and a half periods, half of two, and 85 % of two
+// and a half. What has so few by itself is a wave; what should have eight has lost them on a
+// lattice.
 constexpr int kSmoothDegree = 4;
-constexpr double kShareOfWave = 0.25;
+constexpr double kShareOfWave = 0.6, kManyPeriods = 8;
 constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
 constexpr Eigen::Index kFewestRowsPerMonomial = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
@@ -76,7 +78,7 @@ bool ToldFromGeometry::turns_on_these_places(const Cause& cause, double period,
     high = std::max(high, values[row]);
   }
   const double range = cause.parameter == "period_nm" ? nm_from_mm(high - low) : high - low;
-  if (!(range > 2 * period)) return true;
+  if (!(range > kManyPeriods * period)) return true;
   for (std::size_t row = 0; row < values.size(); ++row) {
     const double place = (2 * values[row] - low - high) / (high - low);
     for (int k = 0; k <= kSmoothDegree; ++k)

@@ -19,7 +19,7 @@ class ToldFromGeometry {
 
   // columns: of the cause at this parameter, one row per block; shape: of the noise, per output
   // (Gain::shape). Does at least half of what the columns of a lever on tilts explain stay when
-  // geometry is free? Has a wave of many periods along a coordinate more than one and a half on
+  // geometry is free? Has a wave of eight periods or more along a coordinate more than two on
   // these places? True for every other cause.
   bool operator()(const Cause& cause, double parameter, const Eigen::MatrixXd& columns,
                   const std::vector<std::size_t>& shape, const Ground& ground) const;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/diagnosis/report/heading.h"
+#include "server/diagnosis/report/taken_by_time.h"
 #include "server/effects/term_order.h"
 #include "server/formats/diagnosis/robot_names.h"
 #include "server/formats/model/fit_json.h"
@@ -170,6 +171,8 @@ std::string diagnosis_page(const diagnosis::Diagnosis& d) {
   for (const auto& rest : d.left_over)
     page += "  structure remains that no cause of the catalogue explains; it goes with " +
             rest.goes_with + "\n";
+  if (!diagnosis::taken_by_time(d).empty())
+    page += "  slow noise has most of what is left: a drift may be in it, see the notes\n";
   for (const auto& one : diagnosis::heading_of(d))
     page += "accuracy (A90), before -> after: " + accuracy_text(one) + "\n";
   const auto judged = diagnosis::judged_accuracies(d);

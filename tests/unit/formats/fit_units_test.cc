@@ -8,7 +8,7 @@
 
 #include "server/formats/formula/formula.h"
 
-namespace driftwise::calibration {
+namespace driftwise::formats {
 namespace {
 
 struct Unit {
@@ -44,9 +44,9 @@ Dataset moved(const Unit& of_motor, const Unit& of_pose, const char* pose) {
 // In the first unit.
 double u90(const Unit& motor, const Unit& of_pose, const char* pose, const std::string& formula) {
   const Dataset data = moved(motor, of_pose, pose);
-  FitOptions options;
-  options.select = Select::all;
-  const auto model = formats::fit_formula(data, formula, options);
+  calibration::FitOptions options;
+  options.select = calibration::Select::all;
+  const auto model = fit_formula(data, formula, options);
   EXPECT_TRUE(model.has_value()) << formula << ": " << (model ? "" : model.error().message);
   return model ? model->outputs.front().accuracy.u90_calibration / motor.per_first : 0;
 }
@@ -76,4 +76,4 @@ TEST(TheSameReadingsInOtherUnits, AreTheSameFitOfAnglesToo) {
 }
 
 }  // namespace
-}  // namespace driftwise::calibration
+}  // namespace driftwise::formats
