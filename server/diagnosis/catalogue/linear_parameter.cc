@@ -52,10 +52,24 @@ bool is_square(const effects::Term& term) {
   return term.factors.size() == 1 && power != nullptr && power->exponent == 2;
 }
 
-LinearNumber linear_number_of_angle(LinearParameter parameter, double value) {
-  if (parameter == LinearParameter::width_arcsec) return {"width_arcsec", value};
-  if (parameter == LinearParameter::size_nm) return {"size_arcsec", 1};
-  return {};
+LinearNumber linear_number_of_angle(LinearParameter parameter, const effects::Term& term,
+                                    double value) {
+  switch (parameter) {
+    case LinearParameter::width_arcsec:
+      return {"width_arcsec", value};
+    case LinearParameter::size_nm:
+      return {"size_arcsec", 1};
+    case LinearParameter::nm_per_k:
+      return {"arcsec_per_k", 1};
+    case LinearParameter::nm_per_k_per_h:
+      return {"arcsec_per_k_per_h", 1};
+    case LinearParameter::nm_per_n:
+      return {"arcsec_per_n", 1};
+    case LinearParameter::nm_per_h:  // of the zero; of a scale there is no number
+      return term.factors.size() > 1 ? LinearNumber{} : LinearNumber{"arcsec_per_h", 1};
+    default:
+      return {};
+  }
 }
 
 LinearNumber linear_number(LinearParameter parameter, const effects::Term& term, double value) {

@@ -18,6 +18,7 @@ bool is_square(const effects::Term& term);  // of one channel, and nothing else
 // Of an output that is a length. term: one of the finding's, at its best parameter.
 LinearNumber linear_number(LinearParameter parameter, const effects::Term& term, double value);
 // Of an output in arcsec: number = factor x coefficient in arcsec per unit of the term.
-LinearNumber linear_number_of_angle(LinearParameter parameter, double value);
+LinearNumber linear_number_of_angle(LinearParameter parameter, const effects::Term& term,
+                                    double value);
 
 }  // namespace driftwise::diagnosis

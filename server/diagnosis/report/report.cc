@@ -127,7 +127,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
       const double at = named.values[v].parameter;
       const auto number = output.unit == "nm"       ? linear_number(cause.linear, term, at)
-                          : output.unit == "arcsec" ? linear_number_of_angle(cause.linear, at)
+                          : output.unit == "arcsec" ? linear_number_of_angle(cause.linear, term, at)
                                                     : LinearNumber{};
       if (number.name.empty() || !one.shown || !std::isfinite(error)) continue;
       const double value = coefficient * number.factor,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 
 #include "server/core/channel.h"
 #include "server/core/text/quantity_text.h"
@@ -19,20 +20,16 @@ std::string three_digits(double value) { return digits_text(value); }
 struct RateUnit {
   std::string_view name, written;
 };
-constexpr std::array kRateUnits = {RateUnit{"nm_per_k_per_h", "nm/(K/h)"},
-                                   RateUnit{"nm_per_n_per_mm", "nm/(N mm)"},
-                                   RateUnit{"nm_per_k", "nm/K"},
-                                   RateUnit{"nm_per_n", "nm/N"},
-                                   RateUnit{"nm_per_hpa", "nm/hPa"},
-                                   RateUnit{"nm_per_h", "nm/h"},
-                                   RateUnit{"nm_per_pct", "nm/%"},
-                                   RateUnit{"ppm_per_k", "ppm/K"},
-                                   RateUnit{"ppm_per_hpa", "ppm/hPa"},
-                                   RateUnit{"ppm_per_h", "ppm/h"},
-                                   RateUnit{"ppm_per_pct", "ppm/%"},
-                                   RateUnit{"arcsec_per_k", "arcsec/K"},
-                                   RateUnit{"urad_per_newton_m", "urad/(N m)"},
-                                   RateUnit{"urad_per_m", "urad/m"}};
+constexpr std::array kRateUnits = {
+    RateUnit{"nm_per_k_per_h", "nm/(K/h)"}, RateUnit{"nm_per_n_per_mm", "nm/(N mm)"},
+    RateUnit{"nm_per_k", "nm/K"},           RateUnit{"nm_per_n", "nm/N"},
+    RateUnit{"nm_per_hpa", "nm/hPa"},       RateUnit{"nm_per_h", "nm/h"},
+    RateUnit{"nm_per_pct", "nm/%"},         RateUnit{"ppm_per_k", "ppm/K"},
+    RateUnit{"ppm_per_hpa", "ppm/hPa"},     RateUnit{"ppm_per_h", "ppm/h"},
+    RateUnit{"ppm_per_pct", "ppm/%"},       RateUnit{"arcsec_per_k_per_h", "arcsec/(K/h)"},
+    RateUnit{"arcsec_per_k", "arcsec/K"},   RateUnit{"arcsec_per_n", "arcsec/N"},
+    RateUnit{"arcsec_per_h", "arcsec/h"},   RateUnit{"urad_per_newton_m", "urad/(N m)"},
+    RateUnit{"urad_per_m", "urad/m"}};
 
 // A parameter's name in words: "offset_mm_rx_q1" is the offset rx in mm of q1.
 struct ParameterWords {
@@ -102,8 +99,19 @@ std::string parameter_text(const FoundParameter& parameter, const Finding& findi
   return text;
 }
 
+// The coordinates that its terms read.
+std::string axes_of(const Finding& finding) {
+  std::set<std::string> axes;
+  for (const auto& term : finding.terms)
+    for (const auto& symbol : effects::symbols_of(term))
+      if (is_pose_symbol(symbol) || is_motor_symbol(symbol)) axes.insert(symbol);
+  std::string text;
+  for (const auto& axis : axes) text += (text.empty() ? "" : " and ") + axis;
+  return text;
+}
+
 std::string what(const Finding& finding) {
-  const std::string& of = finding.subject;
+  std::string of = finding.subject;
   static const std::map<std::string, std::string> words = {
       {"geometry_order", "the geometry needs terms in % that the simulation lacks"},
       {"thermal_offset", "the robot moves with %, which the simulation does not use"},
@@ -139,6 +147,7 @@ std::string what(const Finding& finding) {
   if (finding.cause == "instrument_drift" && !finding.terms.empty() &&
       finding.terms.back().factors.size() > 1)
     text = "the scale of % drifts steadily and nothing sensed explains it";
+  if (of.empty()) of = axes_of(finding);
   if (const auto at = text.find('%'); at != std::string::npos) text.replace(at, 1, of);
   return text;
 }

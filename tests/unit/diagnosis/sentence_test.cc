@@ -29,6 +29,9 @@ TEST(Sentence, GivesEveryNumberItsUnitWhateverStandsBehindIt) {
   EXPECT_TRUE(says(with("ppm_per_k_y_q1", 12), "y 12 ppm/K (q1)."));
   EXPECT_TRUE(says(with("nm_per_hpa_pressure", 27), "pressure 27 nm/hPa."));
   EXPECT_TRUE(says(with("nm_per_h", 20), "20 nm/h."));
+  EXPECT_TRUE(says(with("arcsec_per_h", 0.5), "0.5 arcsec/h."));
+  EXPECT_TRUE(says(with("arcsec_per_k_per_h_rz", 0.5), "rz 0.5 arcsec/(K/h)."));
+  EXPECT_TRUE(says(with("arcsec_per_k_q1", 0.5), "0.5 arcsec/K (q1)."));
   EXPECT_TRUE(says(with("further2_time_s", 9030), "further2 time 9030 s."));
   EXPECT_TRUE(says(with("period_nm", 5e6), "period 5 mm."));
   EXPECT_TRUE(says(with("count", 1), "1 row."));
@@ -41,6 +44,12 @@ TEST(Sentence, ShowsTheEndsOfANarrowIntervalAsTwoNumbers) {
   Finding finding = with("period_nm", 256.004);
   finding.parameters[0].ci90 = Interval{255.98, 256.03};
   EXPECT_TRUE(says(finding, "period 256 nm (90 %: 255.98 to 256.03)."));
+}
+
+TEST(Sentence, NamesTheScaleThatDriftsWhereSeveralAxesCould) {
+  Finding finding{.cause = "instrument_drift"};
+  finding.terms = {effects::Term{{effects::Power{"rx", 1}, effects::Call{"drift", {}, {}}}}};
+  EXPECT_THAT(sentence(finding), testing::StartsWith("The scale of rx drifts"));
 }
 
 TEST(Sentence, NamesThePeriodsThatThePlacesCannotTellFromIt) {

@@ -60,6 +60,8 @@ describe('parameters of a finding', () => {
     expect(parameterWords('tau_s')).toEqual({ name: 'tau', unit: 's' });
     expect(parameterWords('nm_per_k_per_h').unit).toBe('nm/(K/h)');
     expect(parameterWords('ppm_per_k_x_q1')).toEqual({ name: 'x, q1', unit: 'ppm/K' });
+    expect(parameterWords('arcsec_per_h')).toEqual({ name: 'size', unit: 'arcsec/h' });
+    expect(parameterWords('arcsec_per_k_q2')).toEqual({ name: 'size, q2', unit: 'arcsec/K' });
     expect(parameterWords('nm_per_k_q2')).toEqual({ name: 'size, q2', unit: 'nm/K' });
     expect(parameterWords('offset_mm_rx_q1')).toEqual({ name: 'offset rx, q1', unit: 'mm' });
     expect(parameterWords('nm_per_k_ma.q2')).toEqual({ name: 'size, ma.q2', unit: 'nm/K' });
