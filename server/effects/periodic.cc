@@ -35,7 +35,7 @@ EffectKind in_coordinate(const char* name) {
   return {.name = name,
           .catalogue_id = "cyclic_error",
           .symbol_count = 1,
-          .parameters = {{"period", "nm", 0.1, 1e9, 1e-4, 1296000}},
+          .parameters = {{"period", "nm", 0.1, 1e11, 1e-4, 1e7}},
           .output_unit = "1",
           .sentence = std::string(sine ? "sine" : "cosine") +
                       " of a coordinate, periodic in this many nanometres or arcseconds",

@@ -14,6 +14,7 @@ using effects::Term;
 
 constexpr int kDegreesBeyond = 3;  // of one axis
 constexpr int kHighestKnown = 9;
+constexpr double kWholeTurn_arcsec = 0.97 * 1296000;
 
 Cause geometry(const std::string& subject) {
   return {.id = "geometry_order",
@@ -52,7 +53,15 @@ void products(CatalogueBuilder& builder, const std::vector<std::string>& axes) {
 }  // namespace
 
 void add_geometry(CatalogueBuilder& builder) {
-  const auto& axes = builder.axes();
+  std::vector<std::string> axes;
+  for (const auto& axis : builder.axes()) {
+    if (builder.is_angle(axis) && builder.range(axis) >= kWholeTurn_arcsec)
+      builder.missing("geometry_order", axis +
+                                            " turns all around: what errs with it comes back "
+                                            "after a turn, as no power of it does");
+    else
+      axes.push_back(axis);
+  }
   for (const auto& axis : axes) {
     Cause cause = geometry(axis);
     int degree = 0;
@@ -68,7 +77,7 @@ void add_geometry(CatalogueBuilder& builder) {
   for (std::size_t i = 0; i < axes.size(); ++i)
     for (std::size_t j = i + 1; j < axes.size(); ++j) products(builder, {axes[i], axes[j]});
   if (axes.size() == 3) products(builder, axes);
-  if (axes.empty()) builder.missing("geometry_order", "no pose coordinate varies");
+  if (builder.axes().empty()) builder.missing("geometry_order", "no pose coordinate varies");
   builder.missing("geometry_parameter", "no kinematic model is given");
 }
 
