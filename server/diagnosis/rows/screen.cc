@@ -282,9 +282,9 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
         wrong.insert(rows[i]);
       }
     }
-    std::vector<double> others;
+    std::vector<double> others;  // a row next to a wrong one is as far off it by half
     for (std::size_t i = 1; i + 1 < rows.size(); ++i)
-      if (!of_this[i]) others.push_back(apart[i]);
+      if (!of_this[i - 1] && !of_this[i] && !of_this[i + 1]) others.push_back(apart[i]);
     if (count > 0)
       p = std::min(
           p, static_cast<double>(problem.outputs.size()) *

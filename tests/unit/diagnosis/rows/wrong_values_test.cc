@@ -54,5 +54,32 @@ TEST(WrongRows, AreFoundOneByOneAndInSuccession) {
   EXPECT_THAT(wrong_rows(found), ElementsAre(40, 133, 250, 251, 390, 477));
 }
 
+// A beam that was touched once: the rows before and after it are off its neighbours' mean as well,
+// by half, and are no tail of the noise.
+TEST(OneWrongRow, IsFoundInAShortFile) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Dataset data;
+    std::vector<double> x, ex;
+    for (std::size_t row = 0; row < 110; ++row) {
+      const std::size_t k = row % 22;
+      x.push_back(50.0 * static_cast<double>(k < 11 ? k : 21 - k));
+      ex.push_back(0.01 * x.back() + 0.5 * normal(random));
+      data.time_s.push_back(8.0 * static_cast<double>(row));
+    }
+    const std::size_t wrong = 10 + 9 * seed;
+    ex[wrong] += seed % 2 == 0 ? 10 : -10;
+    data.rows = data.time_s.size();
+    data.columns = {{{"x", "mm"}, x}, {{"ex", "um"}, ex}};
+    const auto diagnosis = diagnosed(data, "ex ~ x");
+    if (diagnosis.findings.size() == 1 && diagnosis.findings[0].cause == "outliers" &&
+        diagnosis.findings[0].rows == std::vector<std::size_t>{wrong})
+      ++found;
+  }
+  EXPECT_GE(found, 9);
+}
+
 }  // namespace
 }  // namespace driftwise::diagnosis
