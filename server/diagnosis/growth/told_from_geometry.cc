@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 #include "server/core/units.h"
@@ -18,6 +19,7 @@ constexpr double kShareBeyondGeometry = 0.5;
 // lattice.
 constexpr int kSmoothDegree = 4;
 constexpr double kShareOfWave = 0.6, kManyPeriods = 8;
+constexpr double kShareOfPlaces = 0.5, kFurtherApart = 10;
 constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
 constexpr Eigen::Index kFewestRowsPerMonomial = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
@@ -65,7 +67,11 @@ double explained(const Eigen::MatrixXd& columns, const Eigen::VectorXd& series) 
 }  // namespace
 
 ToldFromGeometry::ToldFromGeometry(const Problem& problem)
-    : problem_(problem), geometry_(geometry_of(problem)) {}
+    : problem_(problem), geometry_(geometry_of(problem)) {
+  motors_ = std::ranges::count_if(problem.data().columns, [](const DatasetColumn& column) {
+    return is_motor_symbol(column.channel.symbol);
+  });
+}
 
 bool ToldFromGeometry::turns_on_these_places(const Cause& cause, double period,
                                              const Eigen::MatrixXd& columns) const {
@@ -90,11 +96,63 @@ bool ToldFromGeometry::turns_on_these_places(const Cause& cause, double period,
   return beyond.squaredNorm() >= kShareOfWave * wave.squaredNorm();
 }
 
+// Each row's coordinate as the rows at its place have it in the mean. Empty where the coordinate
+// has no places that lie much further apart than the rows at each of them.
+std::vector<double> ToldFromGeometry::places_of(std::span<const double> values,
+                                                double period) const {
+  std::vector<std::size_t> order = problem_.learn;
+  std::ranges::sort(order, {}, [&](std::size_t row) { return values[row]; });
+  std::vector<double> result(values.size(), 0);
+  double longest = 0, apart = kUnlimited;
+  for (std::size_t begin = 0; begin < order.size();) {
+    std::size_t end = begin + 1;
+    while (end < order.size() && values[order[end]] - values[order[end - 1]] < period / 2) ++end;
+    longest = std::max(longest, values[order[end - 1]] - values[order[begin]]);
+    if (end < order.size()) apart = std::min(apart, values[order[end]] - values[order[end - 1]]);
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += values[order[i]];
+    for (std::size_t i = begin; i < end; ++i)
+      result[order[i]] = sum / static_cast<double>(end - begin);
+    begin = end;
+  }
+  if (!(apart < kUnlimited) || apart < kFurtherApart * longest) return {};
+  return result;
+}
+
+bool ToldFromGeometry::goes_with_its_places(const Cause& cause, double period,
+                                            const Eigen::MatrixXd& columns,
+                                            const std::vector<std::size_t>& shape,
+                                            const Ground& ground) const {
+  const double own = cause.parameter == "period_nm" ? mm_from_nm(period) : period;
+  const auto values = problem_.prepared.phase_values(cause.subject);
+  if (values.empty() || motors_ < 2) return true;
+  const auto places = places_of(values, own);
+  if (places.empty()) return true;
+  Eigen::MatrixXd there(static_cast<Eigen::Index>(places.size()), 2);
+  for (std::size_t row = 0; row < places.size(); ++row) {
+    const double phase = 2 * std::numbers::pi * std::remainder(places[row] / own, 1.0);
+    there.row(static_cast<Eigen::Index>(row)) << std::sin(phase), std::cos(phase);
+  }
+  const Eigen::MatrixXd at_places = problem_.learned(there);
+  double plain = 0, with_places = 0;
+  for (std::size_t o = 0; o < shape.size(); ++o) {
+    const auto at = static_cast<Eigen::Index>(o);
+    const auto& space = ground.space(shape[o]);
+    const double sd = ground.white_sd(at);
+    const Eigen::VectorXd left = space.left_over(ground.series().col(at));
+    plain += explained(space.left_over(columns), left) / (sd * sd);
+    with_places += explained(space.left_over(at_places), left) / (sd * sd);
+  }
+  return with_places >= kShareOfPlaces * plain;
+}
+
 bool ToldFromGeometry::operator()(const Cause& cause, double parameter,
                                   const Eigen::MatrixXd& columns,
                                   const std::vector<std::size_t>& shape,
                                   const Ground& ground) const {
-  if (cause.id == "cyclic_error") return turns_on_these_places(cause, parameter, columns);
+  if (cause.id == "cyclic_error")
+    return turns_on_these_places(cause, parameter, columns) &&
+           goes_with_its_places(cause, parameter, columns, shape, ground);
   if (cause.linear != LinearParameter::offset_mm && cause.linear != LinearParameter::angle_arcsec)
     return true;
   if (geometry_.cols() > geometry_.rows() / kFewestRowsPerMonomial) return true;

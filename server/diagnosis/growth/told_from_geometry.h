@@ -6,6 +6,8 @@
 // the geometry lacks.
 
 #include <Eigen/Core>
+#include <span>
+#include <vector>
 
 #include "server/diagnosis/catalogue/cause.h"
 #include "server/diagnosis/noise/ground.h"
@@ -20,15 +22,22 @@ class ToldFromGeometry {
   // columns: of the cause at this parameter, one row per block; shape: of the noise, per output
   // (Gain::shape). Does at least half of what the columns of a lever on tilts explain stay when
   // geometry is free? Has a wave of eight periods or more along a coordinate more than two on
-  // these places? True for every other cause.
+  // these places, and does it, of several motors, explain half as much where each row stands at its
+  // place in the mean? Else it is a function of what the other motors do to the axis within a
+  // place: a guide that is not straight, the rounding of what they read. True for every other
+  // cause.
   bool operator()(const Cause& cause, double parameter, const Eigen::MatrixXd& columns,
                   const std::vector<std::size_t>& shape, const Ground& ground) const;
 
  private:
   bool turns_on_these_places(const Cause& cause, double period,
                              const Eigen::MatrixXd& columns) const;
+  std::vector<double> places_of(std::span<const double> values, double period) const;
+  bool goes_with_its_places(const Cause& cause, double period, const Eigen::MatrixXd& columns,
+                            const std::vector<std::size_t>& shape, const Ground& ground) const;
 
   const Problem& problem_;
+  std::ptrdiff_t motors_ = 0;
   Eigen::MatrixXd geometry_;  // blocks x monomials of the pose
 };
 

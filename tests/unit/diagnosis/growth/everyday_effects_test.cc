@@ -78,6 +78,33 @@ TEST(ABentRail, IsNoWaveOfAScale) {
   }
 }
 
+// A grid plate under two slides: the guide of the second bends, and moves x by 100 nm within each
+// column of marks. A wave of half a micrometre along x has that bend in its phase, and no more.
+TEST(AGuideThatBends, IsNoWaveOfTheOtherAxis) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Dataset data;
+    std::vector<double> q1, q2, x, y;
+    for (std::size_t row = 0; row < 300; ++row) {
+      const std::size_t column = row / 10 % 10, line = row % 10;
+      q1.push_back(17.0 * static_cast<double>(column));
+      q2.push_back(17.0 * static_cast<double>(column % 2 == 0 ? line : 9 - line));
+      const double u = q2.back() / 76.5 - 1;
+      x.push_back(q1.back() + 1e-4 * (2 * u * u - u) + 2e-5 * normal(random));
+      y.push_back(q2.back() + 2e-5 * normal(random));
+      data.time_s.push_back(3.0 * static_cast<double>(row));
+    }
+    data.rows = data.time_s.size();
+    data.columns = {{{"q1", "mm"}, q1}, {{"q2", "mm"}, q2}, {{"x", "mm"}, x}, {{"y", "mm"}, y}};
+    const auto found = diagnosed(data, "q1 ~ x + x^2");
+    for (const auto& finding : found.findings)
+      EXPECT_NE(finding.cause, "cyclic_error") << seed << " " << finding.sentence;
+    ASSERT_FALSE(found.findings.empty()) << seed;
+    EXPECT_EQ(found.findings[0].cause + " " + found.findings[0].subject, "geometry_order y");
+  }
+}
+
 // A table that is divided in 36, each way, its disk 2 arcsec off its centre: readings against the
 // encoder, and deviations with no other coordinate than the encoder's. What is found may be a
 // little more than a turn.
