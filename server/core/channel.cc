@@ -24,9 +24,9 @@ bool all_digits(std::string_view text) {
 }  // namespace
 
 const std::vector<std::string>& known_units() {
-  static const std::vector<std::string> units = {"m",      "mm",   "um", "nm", "rad", "deg",
-                                                 "arcsec", "degC", "K",  "N",  "Pa",  "hPa",
-                                                 "pct",    "V",    "s",  "1"};
+  static const std::vector<std::string> units = {"m",    "mm", "um", "nm",  "rad", "deg", "arcsec",
+                                                 "degC", "K",  "N",  "Pa",  "hPa", "pct", "V",
+                                                 "A",    "W",  "Hz", "rpm", "s",   "1"};
   return units;
 }
 

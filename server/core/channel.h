@@ -29,7 +29,7 @@ std::string_view robot_of(std::string_view symbol);
 // "q1" of "ma.q1" and of "q1".
 std::string_view without_robot(std::string_view symbol);
 
-// m mm um nm rad deg arcsec degC K N Pa hPa pct V s 1
+// m mm um nm rad deg arcsec degC K N Pa hPa pct V A W Hz rpm s 1
 const std::vector<std::string>& known_units();
 
 bool is_length(std::string_view unit);  // m mm um nm

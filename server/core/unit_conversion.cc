@@ -11,11 +11,23 @@
 namespace driftwise {
 namespace {
 
-enum class Kind { length, angle, temperature, force, pressure, ratio, voltage, time };
+enum class Kind {
+  length,
+  angle,
+  temperature,
+  force,
+  pressure,
+  ratio,
+  voltage,
+  current,
+  power,
+  rate,
+  time
+};
 
 // base = value * numerator / denominator + offset, in metres, arcseconds, kelvins, newtons,
-// pascals, 1, volts, seconds. By definition (SI brochure, 9th edition, tables 4, 7 and 8; inch and
-// degree Fahrenheit: NIST SP 811, appendix B.8).
+// pascals, 1, volts, amperes, watts, hertz, seconds. By definition (SI brochure, 9th edition,
+// tables 4, 7 and 8; inch and degree Fahrenheit: NIST SP 811, appendix B.8).
 struct UnitEntry {
   std::string_view name;
   Kind kind;
@@ -50,6 +62,12 @@ constexpr std::array kUnits = {
     UnitEntry{"1", Kind::ratio, 1, 1, 0},
     UnitEntry{"V", Kind::voltage, 1, 1, 0},
     UnitEntry{"mV", Kind::voltage, 1, 1e3, 0},
+    UnitEntry{"A", Kind::current, 1, 1, 0},
+    UnitEntry{"mA", Kind::current, 1, 1e3, 0},
+    UnitEntry{"W", Kind::power, 1, 1, 0},
+    UnitEntry{"kW", Kind::power, 1e3, 1, 0},
+    UnitEntry{"Hz", Kind::rate, 1, 1, 0},
+    UnitEntry{"rpm", Kind::rate, 1, 60, 0},
     UnitEntry{"s", Kind::time, 1, 1, 0},
     UnitEntry{"ms", Kind::time, 1, 1e3, 0},
     UnitEntry{"us", Kind::time, 1, 1e6, 0},

@@ -1,8 +1,8 @@
 #pragma once
 // From one unit to another of the same kind, for measurements that come from elsewhere: lengths,
-// angles, temperatures, forces, pressures, ratios, voltages, times. Knows every channel unit
-// (channel.h) and the usual foreign ones: inch, mil, mrad, urad, arcmin, degF, mN, kN, kPa, bar,
-// mbar, mV, ms, us, min, h.
+// angles, temperatures, forces, pressures, ratios, voltages, currents, powers, rates, times. Knows
+// every channel unit (channel.h) and the usual foreign ones: inch, mil, mrad, urad, arcmin, degF,
+// mN, kN, kPa, bar, mbar, mV, mA, kW, ms, us, min, h.
 
 #include <optional>
 #include <string_view>

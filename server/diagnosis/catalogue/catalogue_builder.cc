@@ -13,8 +13,7 @@ constexpr int kPerDecade = 7;  // of a time constant or a width
 
 // What a machine does, as a channel says it: speed in rpm, current in A, power in W, duty.
 bool is_activity(const Channel& channel) {
-  static constexpr std::array kUnits = {"rpm", "1/min", "Hz",   "1/s", "A",      "mA", "W", "kW",
-                                        "V",   "mm/s",  "um/s", "m/s", "mm/min", "%",  "1"};
+  static constexpr std::array kUnits = {"rpm", "Hz", "A", "W", "V", "pct", "1"};
   static constexpr std::array kNot = {"air", "pressure", "humidity", "dwell"};
   const std::string& symbol = channel.symbol;
   return std::ranges::find(kUnits, channel.unit) != kUnits.end() &&

@@ -31,7 +31,7 @@ Cause of_motor(const std::string& id, const std::string& q, const std::string& p
 // second (Palmgren; copper's with the square of the current).
 void add_activities(CatalogueBuilder& builder) {
   if (builder.activities().empty())
-    builder.missing("activity_heating", "no channel of an activity (rpm, A, W, %, mm/s) varies");
+    builder.missing("activity_heating", "no channel of an activity (rpm, Hz, A, W, V, pct) varies");
   else if (!builder.timed())
     builder.missing("activity_heating", "the data have no time_s");
   else

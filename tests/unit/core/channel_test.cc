@@ -5,6 +5,11 @@
 namespace driftwise {
 namespace {
 
+TEST(Channel, HasTheUnitsOfWhatAMachineDoes) {
+  for (const char* name : {"speed_rpm", "motor_A", "heater_W", "inverter_Hz", "load_pct"})
+    EXPECT_TRUE(parse_channel(name).has_value()) << name;
+}
+
 TEST(ParseChannel, SplitsAtTheLastUnderscore) {
   const auto channel = parse_channel("x_std_nm");
   ASSERT_TRUE(channel);
