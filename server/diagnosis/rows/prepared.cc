@@ -20,7 +20,6 @@ bool is_wave_in_coordinate(const effects::Term& term) {
   });
 }
 
-
 // A rate over at most this many typical steps of the rows is the derivative at the row; over less
 // than the second it is that of the readings as they are.
 constexpr double kDerivativeSteps = 1.5, kOfReadingsSteps = 0.75;

@@ -61,7 +61,8 @@ TEST(UnitConversion, GoesThereAndBackBetweenAllUnitsOfAKind) {
       ++pairs;
       EXPECT_NEAR((*back)((*there)(12.375)), 12.375, 1e-12) << from << " -> " << to;
     }
-  EXPECT_EQ(pairs, 16 + 9 + 4 + 1 + 4 + 4 + 1 + 1 + 1 + 4 + 1);  // lengths, angles, temperatures, ...
+  EXPECT_EQ(pairs,
+            16 + 9 + 4 + 1 + 4 + 4 + 1 + 1 + 1 + 4 + 1);  // lengths, angles, temperatures, ...
 }
 
 TEST(UnitConversion, RefusesOtherKindsAndUnknownUnits) {
