@@ -70,11 +70,13 @@ Result<std::vector<std::string>> Extension::settle() {
     const std::string name = name_of(causes_[named_[i].cause]);
     if (best->empty() || !best->front().nameable || best->front().beyond < kExplainedByOthers) {
       if (!best->empty())
-        said.push_back(name +
-                       (best->front().beyond < kExplainedByOthers
-                            ? " was named and is explained by what was found beside it"
-                            : " was named, and a geometry of higher order explains half of it "
-                              "or more: it has no name"));
+        said.push_back(name + (best->front().beyond >= kExplainedByOthers
+                                   ? " was named, and a geometry of higher order explains half of "
+                                     "it or more: it has no name"
+                               : named_.size() > 1
+                                   ? " was named and is explained by what was found beside it"
+                                   : " was named first; with the noise as it is without it, chance "
+                                     "imitates it: it may be there"));
       withdraw(i);
       continue;
     }
