@@ -68,7 +68,7 @@ CatalogueBuilder::CatalogueBuilder(const Dataset& dataset, const std::vector<eff
     known_.insert(effects::notation(effects::canonical(term)));
     for (const auto& symbol : effects::symbols_of(term)) read.insert(symbol);
   }
-  // Where nothing is a length there is none to tilt: a rotation is where a table stands.
+  // Lengths make a rotation a tilt; without any it is where a table stands.
   const bool any_length = std::ranges::any_of(
       dataset.columns, [](const DatasetColumn& column) { return is_length(column.channel.unit); });
   for (const auto& column : dataset.columns) {

@@ -16,7 +16,9 @@
 // A cause is named where its ratio of marginal likelihoods exceeds its price over alpha: the mean
 // of such a ratio is 1 where nothing is hidden, so by Markov's inequality a false name is rarer
 // than alpha. The price is twice the number of causes that act on every arm, or twice that of the
-// others. Gate: the predictive log density of rows left out must rise over blocks of time, over
+// others.
+//
+// Gate: the predictive log density of rows left out must rise over blocks of time, over
 // groups of neighbouring joint angles, and over six parts of what the cause is a function of
 // (angle, torque, temperature). Over those six parts the rise of a cause that need not act (all but
 // sag) must also exceed its own spread (Student's t, one-sided 5 %): what predicts some parts and

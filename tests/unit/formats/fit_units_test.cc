@@ -51,28 +51,26 @@ double u90(const Unit& motor, const Unit& of_pose, const char* pose, const std::
   return model ? model->outputs.front().accuracy.u90_calibration / motor.per_first : 0;
 }
 
-TEST(TheSameReadingsInOtherUnits, AreTheSameFitOfPlayCreepAndWaves) {
-  const std::string formula =
-      "q1 ~ x + play(q1, 2000 nm) + creep(q1, 300 s) + sin(x, 20 um) + cos(x, 20000 nm)";
-  const Unit mm{"mm", 1}, others[] = {{"m", 1e-3}, {"um", 1e3}, {"nm", 1e6}};
-  const double wanted = u90(mm, mm, "x", formula);
+void expect_the_same_fit(const Unit& first, const std::vector<Unit>& others, const char* pose,
+                         const std::string& formula) {
+  const double wanted = u90(first, first, pose, formula);
   EXPECT_NEAR(wanted, 1.645 * 2e-5, 6e-6);  // of the noise
   for (const Unit& one : others)
     for (const Unit& other : others)
-      EXPECT_NEAR(u90(one, other, "x", formula), wanted, 1e-3 * wanted)
+      EXPECT_NEAR(u90(one, other, pose, formula), wanted, 1e-3 * wanted)
           << one.name << " over " << other.name;
 }
 
+TEST(TheSameReadingsInOtherUnits, AreTheSameFitOfPlayCreepAndWaves) {
+  expect_the_same_fit(
+      {"mm", 1}, {{"m", 1e-3}, {"um", 1e3}, {"nm", 1e6}}, "x",
+      "q1 ~ x + play(q1, 2000 nm) + creep(q1, 300 s) + sin(x, 20 um) + cos(x, 20000 nm)");
+}
+
 TEST(TheSameReadingsInOtherUnits, AreTheSameFitOfAnglesToo) {
-  const std::string formula =
-      "q1 ~ rz + play(q1, 7.2 arcsec) + creep(q1, 300 s) + sin(rz, 72 arcsec) + cos(rz, 0.02 deg)";
-  const Unit deg{"deg", 1}, others[] = {{"rad", std::numbers::pi / 180}, {"arcsec", 3600}};
-  const double wanted = u90(deg, deg, "rz", formula);
-  EXPECT_NEAR(wanted, 1.645 * 2e-5, 6e-6);  // of the noise
-  for (const Unit& one : others)
-    for (const Unit& other : others)
-      EXPECT_NEAR(u90(one, other, "rz", formula), wanted, 1e-3 * wanted)
-          << one.name << " over " << other.name;
+  expect_the_same_fit(
+      {"deg", 1}, {{"rad", std::numbers::pi / 180}, {"arcsec", 3600}}, "rz",
+      "q1 ~ rz + play(q1, 7.2 arcsec) + creep(q1, 300 s) + sin(rz, 72 arcsec) + cos(rz, 0.02 deg)");
 }
 
 }  // namespace

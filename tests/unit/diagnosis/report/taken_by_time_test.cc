@@ -1,4 +1,4 @@
-// What the report says beside "adequate" where slow noise has taken a drift.
+// The words beside "adequate" where slow noise has taken a drift.
 
 #include "server/diagnosis/report/taken_by_time.h"
 
