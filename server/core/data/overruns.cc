@@ -20,6 +20,7 @@ double smallest_move(const std::vector<double>& values) {
   return smallest;
 }
 
+// In the order of the rows.
 std::vector<Turn> turns_of(const Dataset& dataset) {
   std::vector<std::size_t> coordinates;
   for (std::size_t c = 0; c < dataset.columns.size(); ++c) {
@@ -53,6 +54,23 @@ std::vector<Turn> turns_of(const Dataset& dataset) {
   return turns;
 }
 
+// The first target too is reached from where its way leads on: each coordinate that turns stands
+// short of it before.
+std::vector<Turn> with_the_start(std::vector<Turn> turns, const Dataset& dataset) {
+  std::vector<Turn> start;
+  for (const Turn& turn : turns) {
+    const auto same = [&](const Turn& one) { return one.column == turn.column; };
+    if (std::ranges::any_of(start, same)) continue;
+    const auto& values = dataset.columns[turn.column].values;
+    const auto moved = std::ranges::find_if(values, [&](double v) { return v != values[0]; });
+    if (moved == values.end()) continue;
+    start.push_back(
+        {0, turn.column, values[0] - std::copysign(smallest_move(values) / 2, *moved - values[0])});
+  }
+  turns.insert(turns.begin(), start.begin(), start.end());
+  return turns;
+}
+
 template <class Value>
 void repeat(std::vector<Value>& values, std::size_t row) {
   if (values.empty()) return;
@@ -76,11 +94,13 @@ std::vector<std::size_t> rows_after_overruns(const Dataset& dataset) {
 }
 
 WholePath with_overruns(const Dataset& dataset) {
-  const auto turns = turns_of(dataset);
+  const auto turns = with_the_start(turns_of(dataset), dataset);
   WholePath whole{dataset, {}};
+  std::vector<std::size_t> rows;  // that have another one before them, from the last
   auto turn = turns.rbegin();
   while (turn != turns.rend()) {  // from the end: earlier rows keep their numbers
     const std::size_t row = turn->row;
+    rows.push_back(row);
     auto& data = whole.data;
     repeat(data.time_s, row), repeat(data.set, row), repeat(data.line, row);
     repeat(data.zero, row), repeat(data.dwell_s, row), repeat(data.run, row);
@@ -91,9 +111,8 @@ WholePath with_overruns(const Dataset& dataset) {
     ++data.rows;
   }
   std::size_t further = 0;
-  const auto rows = rows_after_overruns(dataset);
   for (std::size_t row = 0; row < dataset.rows; ++row) {
-    if (further < rows.size() && rows[further] == row) ++further;
+    if (further < rows.size() && rows[rows.size() - 1 - further] == row) ++further;
     whole.kept.push_back(row + further);
   }
   return whole;

@@ -19,7 +19,8 @@ bool says_overruns(const Dataset& dataset);
 std::vector<std::size_t> rows_after_overruns(const Dataset& dataset);
 
 // With a row before each of those, at the same instant: the coordinate that turns stands further on
-// by half of its smallest move. For effects that go along the path; kept: where the rows are now.
+// by half of its smallest move. With one before the first row too, where it stands as far short of
+// it. For effects that go along the path; kept: where the rows are now.
 struct WholePath {
   Dataset data;
   std::vector<std::size_t> kept;
