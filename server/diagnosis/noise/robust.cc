@@ -1,7 +1,6 @@
 #include "server/diagnosis/noise/robust.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -24,17 +23,21 @@ double robust_sd(std::vector<double> values) {
 }
 
 double StudentLaw::beyond(double value) const {
-  return scale > 0 ? calibration::t_two_sided_p(value / scale, freedom) : 0;
+  double chance = 0;
+  for (std::size_t f = 0; f < kFreedoms.size(); ++f)
+    if (scale_[f] > 0)
+      chance += weight_[f] * calibration::t_two_sided_p(value / scale_[f], kFreedoms[f]);
+  return chance;
 }
 
 StudentLaw student_law(const std::vector<double>& values, double least) {
-  constexpr std::array<double, 7> kOfFreedom = {2, 3, 4, 6, 10, 20, 1000};
   constexpr int kRounds = 40;
-  StudentLaw best;
+  StudentLaw law;
   const auto n = static_cast<double>(values.size());
   const double floor = std::max(least * least, 1e-300);
-  double highest = -INFINITY;
-  for (const double freedom : kOfFreedom) {
+  auto& ln = law.weight_;
+  for (std::size_t f = 0; f < StudentLaw::kFreedoms.size(); ++f) {
+    const double freedom = StudentLaw::kFreedoms[f];
     double square = std::max(std::pow(robust_sd(values), 2), floor);
     for (int round = 0; round < kRounds; ++round) {  // expectation and maximisation
       double sum = 0;
@@ -42,15 +45,17 @@ StudentLaw student_law(const std::vector<double>& values, double least) {
         sum += (freedom + 1) * value * value / (freedom + value * value / square);
       square = std::max(sum / std::max(n, 1.0), floor);
     }
-    double likelihood = n * (std::lgamma((freedom + 1) / 2) - std::lgamma(freedom / 2) -
-                             0.5 * std::log(freedom * std::numbers::pi * square));
+    law.scale_[f] = std::sqrt(square);
+    ln[f] = n * (std::lgamma((freedom + 1) / 2) - std::lgamma(freedom / 2) -
+                 0.5 * std::log(freedom * std::numbers::pi * square));
     for (const double value : values)
-      likelihood -= (freedom + 1) / 2 * std::log1p(value * value / (freedom * square));
-    if (likelihood <= highest) continue;
-    highest = likelihood;
-    best = {std::sqrt(square), freedom};
+      ln[f] -= (freedom + 1) / 2 * std::log1p(value * value / (freedom * square));
   }
-  return best;
+  const double highest = *std::ranges::max_element(ln);
+  double sum = 0;
+  for (double& one : ln) sum += one = std::exp(one - highest);
+  for (double& one : ln) one /= sum;
+  return law;
 }
 
 double chance_of_as_many(double p, std::size_t count, std::size_t all) {

@@ -1,6 +1,8 @@
 #pragma once
 // Middles and spreads that a few wrong values do not move.
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 namespace driftwise::diagnosis {
@@ -10,11 +12,18 @@ double median(std::vector<double> values);
 // The standard deviation that normal values about zero with this median of |value| have.
 double robust_sd(std::vector<double> values);
 
-// Student's law about zero, by maximum likelihood over scale and degrees of freedom (2 to 1000).
-struct StudentLaw {
-  double scale = 0, freedom = 1000;
-  // Chance of a value at least as far from zero. 0 scale: 0.
+// Student's law about zero for each of some degrees of freedom (2 to 1000), its scale by maximum
+// likelihood. How heavy the tail is a few hundred values tell only roughly: what is asked of it is
+// the average over the laws, each by how likely the values are under it.
+class StudentLaw {
+ public:
+  static constexpr std::array<double, 7> kFreedoms = {2, 3, 4, 6, 10, 20, 1000};
+  // Chance of a value at least as far from zero. 0 where all values are.
   double beyond(double value) const;
+
+ private:
+  friend StudentLaw student_law(const std::vector<double>& values, double least);
+  std::array<double, kFreedoms.size()> scale_{}, weight_{};
 };
 // least: of the scale, such as the resolution of the values.
 StudentLaw student_law(const std::vector<double>& values, double least);

@@ -68,6 +68,14 @@ std::vector<double> as_beside(const Problem& problem, const std::vector<std::siz
   return result;
 }
 
+// Rows of which the machine may have changed before: after a pause, or with a new zero.
+std::vector<char> breaks_of(const Dataset& data) {
+  std::vector<char> result = after_a_pause(data);
+  for (std::size_t i = 1; i < data.datum.size(); ++i)
+    if (data.datum[i] != data.datum[i - 1]) result[i] = 1;
+  return result;
+}
+
 // Rows one after the other that lie off the one before them and the one after, which agree; all to
 // one side, for where a smoothed temperature cuts a corner rows lie off to both.
 struct RunOff {
@@ -79,16 +87,17 @@ struct RunOff {
 template <typename Least, typename Agree>
 std::vector<RunOff> runs_off(const Eigen::VectorXd& left, const Least& least, const Agree& agree,
                              const std::vector<std::size_t>& rows,
-                             const std::vector<char>& after_a_pause) {
+                             const std::vector<char>& after_a_break) {
   const auto at = [&](std::size_t i) { return left[static_cast<Eigen::Index>(rows[i])]; };
   std::vector<RunOff> runs;
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
     const auto is_run = [&](std::size_t count) {
       const double before = at(i - 1), after = at(i + count), beside = (before + after) / 2;
-      if (count > 1 && (after_a_pause[rows[i]] != 0 || after_a_pause[rows[i + count]] != 0))
-        return false;  // the machine was another one meanwhile
+      const int breaks =
+          (after_a_break[rows[i]] != 0 ? 1 : 0) + (after_a_break[rows[i + count]] != 0 ? 1 : 0);
+      if (breaks > (count > 1 ? 0 : 1)) return false;  // the machine was another one meanwhile
       for (std::size_t k = i; k < i + count; ++k)
-        if (!(std::abs(at(k) - beside) > least(k)) ||
+        if (!(std::min(std::abs(at(k) - before), std::abs(at(k) - after)) > least(k)) ||
             std::signbit(at(k) - beside) != std::signbit(at(i) - beside))
           return false;
       return std::abs(after - before) < agree(i);
@@ -243,7 +252,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
   std::ranges::sort(rows);
   rows.erase(std::ranges::unique(rows).begin(), rows.end());
   std::set<std::size_t> wrong;
-  const auto pauses = after_a_pause(problem.data());
+  const auto breaks = breaks_of(problem.data());
   for (const auto& output : problem.outputs) {
     const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
     const auto at = [&](std::size_t i) { return left[static_cast<Eigen::Index>(rows[i])]; };
@@ -264,9 +273,9 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
     };
     const auto runs = runs_off(
         left, [&](std::size_t i) { return std::max(kWrongRow * sd[i], least); },
-        [&](std::size_t i) { return kAgree * sd_across[i]; }, rows, pauses);
+        [&](std::size_t i) { return kAgree * sd_across[i]; }, rows, breaks);
     std::vector<char> of_this(rows.size(), 0);
-    double nearest = INFINITY;
+    double nearest = INFINITY, nearest_middle = INFINITY;
     std::size_t count = 0;
     for (const RunOff& run : runs) {
       bool all_own = true;
@@ -276,19 +285,26 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
       for (std::size_t i = run.first; i < run.first + run.count; ++i) {
         const double off = std::abs(at(i) - run.beside);
         nearest = std::min(nearest, off);
+        nearest_middle = std::min(nearest_middle, std::abs(about[i]));
         ++count;
         of_this[i] = 1;
         found.push_back({rows[i], output.channel.symbol, off / sd[i]});
         wrong.insert(rows[i]);
       }
     }
-    std::vector<double> others;  // a row next to a wrong one is as far off it by half
-    for (std::size_t i = 1; i + 1 < rows.size(); ++i)
-      if (!of_this[i - 1] && !of_this[i] && !of_this[i + 1]) others.push_back(apart[i]);
-    if (count > 0)
-      p = std::min(
-          p, static_cast<double>(problem.outputs.size()) *
-                 chance_of_as_many(student_law(others, 0).beyond(nearest), count, rows.size()));
+    if (count == 0) continue;
+    // A row next to a wrong one is as far off it by half. What three rows make together has lighter
+    // tails in the middle than at its ends; the rows by themselves show theirs.
+    std::vector<double> others, by_themselves;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (of_this[i] == 0) by_themselves.push_back(about[i]);
+      if (i > 0 && i + 1 < rows.size() && !of_this[i - 1] && !of_this[i] && !of_this[i + 1])
+        others.push_back(apart[i]);
+    }
+    const double chance = std::max(student_law(others, 0).beyond(nearest),
+                                   student_law(by_themselves, 0).beyond(nearest_middle));
+    p = std::min(p, static_cast<double>(problem.outputs.size()) *
+                        chance_of_as_many(chance, count, rows.size()));
   }
   if (p > alpha || tails_are_heavy(problem, rows, wrong)) return {};
   for (auto& one : found) one.p = p;

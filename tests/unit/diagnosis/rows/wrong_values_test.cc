@@ -81,5 +81,52 @@ TEST(OneWrongRow, IsFoundInAShortFile) {
   EXPECT_GE(found, 9);
 }
 
+// A zero of its own, and then lunch: the robot is another one when the rest of the rows comes.
+TEST(OneWrongRow, IsNotARowBetweenAZeroAndAPause) {
+  int named = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Dataset data;
+    std::vector<double> x, ex;
+    for (std::size_t row = 0; row < 120; ++row) {
+      const std::size_t k = row % 22;
+      const bool second = row >= 60;
+      x.push_back(50.0 * static_cast<double>(k < 11 ? k : 21 - k));
+      ex.push_back(0.01 * x.back() + 0.5 * normal(random) + (second ? -6 : 0) +
+                   (row == 60 ? 9 : 0));
+      data.time_s.push_back(8.0 * static_cast<double>(row) + (row > 60 ? 3000 : 0));
+      data.datum.push_back(second ? 2 : 1);
+    }
+    data.rows = data.time_s.size();
+    data.columns = {{{"x", "mm"}, x}, {{"ex", "um"}, ex}};
+    for (const auto& name : names_found(diagnosed(data, "ex ~ x")))
+      named += name == "outliers" ? 1 : 0;
+  }
+  EXPECT_EQ(named, 0);
+}
+
+// Such noise has an error of twelve robust standard deviations in every second file.
+TEST(OneWrongRow, IsNotTheLargestOfNoiseWithHeavyTails) {
+  int named = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    std::mt19937_64 random(1000 + seed);
+    std::student_t_distribution<double> heavy(3);
+    Dataset data;
+    std::vector<double> x, ex;
+    for (std::size_t row = 0; row < 220; ++row) {
+      const std::size_t k = row % 22;
+      x.push_back(50.0 * static_cast<double>(k < 11 ? k : 21 - k));
+      ex.push_back(0.01 * x.back() + 0.3 * heavy(random));
+      data.time_s.push_back(8.0 * static_cast<double>(row));
+    }
+    data.rows = data.time_s.size();
+    data.columns = {{{"x", "mm"}, x}, {{"ex", "um"}, ex}};
+    for (const auto& name : names_found(diagnosed(data, "ex ~ x")))
+      named += name == "outliers" ? 1 : 0;
+  }
+  EXPECT_LE(named, 1);
+}
+
 }  // namespace
 }  // namespace driftwise::diagnosis
