@@ -175,6 +175,34 @@ Identifiability chosen_parameters(const Work& work, const IdentifyOptions& optio
   return result;
 }
 
+// Holds what such rows determine to no better than kWeak, the weakest first, by the derivatives at
+// the start: least squares then has no valley to walk along. Whether any was held.
+bool hold_weak(Work& work, Identifiability& chosen) {
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(work.unknowns());
+  Eigen::MatrixXd jacobian = work.jacobian(still);
+  const Eigen::VectorXd left = work.residuals(still);
+  bool any = false;
+  while (!work.free.empty() && jacobian.rows() > jacobian.cols()) {
+    const Eigen::VectorXd rest = left - jacobian * jacobian.colPivHouseholderQr().solve(left);
+    const double variance =
+        rest.squaredNorm() / static_cast<double>(jacobian.rows() - jacobian.cols());
+    const Eigen::VectorXd errors = (variance * inverse_normal(jacobian).diagonal())
+                                       .cwiseSqrt()
+                                       .head(static_cast<Index>(work.free.size()));
+    Index weakest = 0;
+    if (errors.maxCoeff(&weakest) <= kWeak) break;
+    const auto held = static_cast<std::size_t>(work.free[static_cast<std::size_t>(weakest)]);
+    chosen.free[held] = 0;
+    chosen.notes[held] = "held: these rows determine it to no better than a drawing leaves open";
+    work.free.erase(work.free.begin() + weakest);
+    const Index after = jacobian.cols() - weakest - 1;
+    jacobian.middleCols(weakest, after) = jacobian.rightCols(after).eval();
+    jacobian.conservativeResize(Eigen::NoChange, jacobian.cols() - 1);
+    any = true;
+  }
+  return any;
+}
+
 Identification describe(const Work& work, const Identifiability& chosen,
                         const std::vector<effects::Term>& terms,
                         const LeastSquaresSolution& solution) {
@@ -273,14 +301,17 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
     return fail(ErrorCode::failed_precondition, reasons::kBadStart,
                 "the nominal geometry does not reach every measured row: compare lengths, units "
                 "and frames of the robot file with the data");
-  const Identifiability chosen = chosen_parameters(work, options);
+  Identifiability chosen = chosen_parameters(work, options);
   for (std::size_t i = 0; i < chosen.free.size(); ++i)
     if (chosen.free[i] != 0) work.free.push_back(static_cast<Index>(i));
   const LeastSquaresProblem problem{
       [&work](const Eigen::VectorXd& unknown) { return work.residuals(unknown); },
       [&work](const Eigen::VectorXd& unknown) { return work.jacobian(unknown); }};
-  DRIFTWISE_TRY(const auto solution, minimise(problem, Eigen::VectorXd::Zero(work.unknowns())));
-  Identification result = describe(work, chosen, terms, solution);
+  auto solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));
+  if (!solution && solution.error().reason == reasons::kNoConvergence && hold_weak(work, chosen))
+    solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));
+  DRIFTWISE_RETURN_IF_ERROR(solution);
+  Identification result = describe(work, chosen, terms, *solution);
   result.mechanism = options.mechanism;
   result.undetermined = std::move(undetermined);
   return result;

@@ -59,6 +59,31 @@ inline Dataset arm_campaign(const KinematicsDescription& arm, std::size_t rows, 
   return data;
 }
 
+// Some poses again and again; the joints come to rest within 1e-5 rad and say where.
+inline Dataset visits(const KinematicsDescription& arm, std::size_t poses, std::size_t times,
+                      double noise_mm, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> angle(-1.5, 1.5);
+  std::normal_distribution<double> normal;
+  Dataset data;
+  data.rows = poses * times;
+  for (const auto& link : arm.links) data.columns.push_back({link.motor, {}});
+  for (const char* axis : {"x", "y", "z"}) data.columns.push_back({{axis, "mm"}, {}});
+  std::vector<std::vector<double>> at(poses, std::vector<double>(arm.links.size()));
+  for (auto& pose : at)
+    for (auto& one : pose) one = angle(random);
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    auto q = at[row % poses];
+    for (auto& one : q) one += 1e-5 * normal(random);
+    const Eigen::Vector3d point = arm_point(arm, q);
+    for (std::size_t i = 0; i < q.size(); ++i) data.columns[i].values.push_back(q[i]);
+    for (std::size_t i = 0; i < 3; ++i)
+      data.columns[q.size() + i].values.push_back(point[static_cast<Eigen::Index>(i)] +
+                                                  noise_mm * normal(random));
+  }
+  return data;
+}
+
 // Where the carriage must stand for the pose: bisection on the arm's length, from the definition.
 inline double delta_scale(const DeltaBranch& branch, bool above, const Eigen::Vector3d& pose) {
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
