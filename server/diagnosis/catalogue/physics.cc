@@ -183,7 +183,7 @@ std::span<const PhysicsRecord> physics_table() {
        "3 x; 10 x", "the returning beam walks by 2 angle x stroke"},
       {"refractive_index", "mm of dead path; share of the path measured", "100; 1",
        "10 x; the whole", "Birch and Downs 1994"},
-      {"instrument_drift", "nm/h; ppm/h", "50 or 3 sigma over the duration; 1", "20 x",
+      {"instrument_drift", "nm/h; ppm/h", "50 or 10 sigma over the duration; 1", "20 x",
        "zero of interferometers and of probes; a laser that warms up, the weather"},
       {"step_change", "nm", "316.4 or 10 sigma", "", "lost fringes; a slip has no end"},
       {"periodic_disturbance", "nm", "20 or 2 sigma", "10 x", "air conditioning, vibration"},
@@ -192,7 +192,8 @@ std::span<const PhysicsRecord> physics_table() {
        "10 kg on a gear of 1e5 N m/rad (Abele, CIRP Annals 56 (2007) 387)"},
       {"gear_error", "arcsec, once and twice per turn of the joint", "40", "10 x",
        "10 um of eccentricity on a radius of 50 mm"},
-      {"joint_offset_drift", "arcsec/K", "5", "20 x", "twice the expansion of steel"},
+      {"joint_offset_drift", "arcsec/K", "5 or 10 sigma over the range of temperature", "20 x",
+       "twice the expansion of steel"},
       {"backlash joint", "arcsec between the flanks; gravity's torque chooses one", "20",
        "10 x, positive", "gears of arms: less than a minute"},
   };
@@ -287,7 +288,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "step_change") return std::max(kJump_nm, large);
   if (id == "instrument_drift")
     return term.factors.size() > 1 ? kScaleDrift_ppm_per_h * nm_per_ppm(term, output)
-                                   : std::max(kDrift_nm_per_h, 3 * sigma / std::max(hours_, 1e-9));
+                                   : std::max(kDrift_nm_per_h, large / std::max(hours_, 1e-9));
   if (id == "geometry_order")
     return std::max(kGeometry * stroke_nm, large) *
            per_unit_at_the_end(term, effects::symbols_of(term));

@@ -18,6 +18,7 @@ constexpr double kSag_urad_per_m = 1000, kSag_urad_per_newton_m = 10;
 constexpr double kPlay_arcsec = 20;        // gears of arms are sold with less than a minute
 constexpr double kGear_arcsec = 40;        // 10 um of eccentricity on a radius of 50 mm
 constexpr double kDrift_arcsec_per_k = 5;  // twice the expansion of steel, 24 urad/K
+constexpr double kDriftOfNoise = 10;       // as what nothing bounds in physics.h
 constexpr double kRangeOfPlay = 10, kRangeOfGear = 10;
 constexpr double kLeastTorque_m = 0.02, kLeastTorque_newton_m = 1;  // of change over the rows
 constexpr double kLeastChange_k = 0.5;
@@ -129,6 +130,7 @@ class Builder {
         drift.turns_rad = kRadPerArcsec * (values.array() - mean).matrix();
         drift.driver = values;
         drift.typical = kDrift_arcsec_per_k;
+        drift.of_noise = kDriftOfNoise;
         result_.causes.push_back(std::move(drift));
       }
     }

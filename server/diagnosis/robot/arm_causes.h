@@ -28,6 +28,7 @@ struct ArmCause {
   Eigen::VectorXd driver{};
   double typical = 1;       // standard deviation of the prior, in units
   double range = 20;        // of the amplitude, over typical
+  double of_noise = 0;      // typical is at least so many sd of the rows, at the largest turn
   bool one_signed = false;  // a negative amplitude is not this cause
   bool certain = false;     // acts on every arm: only its size is asked
 };

@@ -86,6 +86,12 @@ ArmSearch::ArmSearch(const WhitenedGeometry& whole, const std::vector<Index>& ge
   noise_ = std::sqrt(y_.squaredNorm() / static_cast<double>(y_.size() - base.cols()));
   y_ /= noise_;
   turns_ /= noise_;
+  for (std::size_t c = 0; c < causes_.size(); ++c) {
+    const auto whole_turns = whole_.columns.rightCols(turns).middleCols(first(c), width(c));
+    const double largest = whole_turns.cwiseAbs().maxCoeff() / noise_;
+    typical_.push_back(
+        std::max(causes_[c].typical, causes_[c].of_noise / std::max(largest, 1e-300)));
+  }
   gram_ = turns_.transpose() * turns_;
   along_ = turns_.transpose() * y_;
   for (std::size_t c = 0; c < causes_.size(); ++c) correlated_.push_back(correlation_of(c));
@@ -125,8 +131,7 @@ std::vector<Index> ArmSearch::columns_of(const std::vector<Soft>& soft) const {
 Eigen::VectorXd ArmSearch::scales_of(const std::vector<Soft>& soft) const {
   std::vector<double> scales;
   for (const auto& one : soft)
-    for (Index k = 0; k < width(one.cause); ++k)
-      scales.push_back(one.share * causes_[one.cause].typical);
+    for (Index k = 0; k < width(one.cause); ++k) scales.push_back(one.share * typical_[one.cause]);
   return Eigen::Map<Eigen::VectorXd>(scales.data(), static_cast<Index>(scales.size()));
 }
 
@@ -327,7 +332,7 @@ void ArmSearch::describe() {
   Index at = 0;
   for (const auto& one : in_) {
     const Index k = width(one.cause);
-    const double scale = one.share * causes_[one.cause].typical;
+    const double scale = one.share * typical_[one.cause];
     const auto base = beside(one.cause);
     const auto own = evidence(one.cause, base);
     NamedArmCause named{.cause = one.cause,

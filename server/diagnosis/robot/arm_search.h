@@ -116,6 +116,7 @@ class ArmSearch {
   Eigen::MatrixXd turns_;            // beyond the basis
   Eigen::VectorXd y_;                // beyond the basis, in units of the noise
   double noise_ = 1;
+  std::vector<double> typical_;  // of each cause: of its prior, in its units
   Eigen::MatrixXd gram_;
   Eigen::VectorXd along_;
   std::vector<double> correlated_;  // of each cause: rows that count as one

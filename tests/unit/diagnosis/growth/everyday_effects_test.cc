@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/diagnosis/diagnosed.h"
 #include "tests/unit/diagnosis/everyday_axis.h"
 
 namespace driftwise::diagnosis {
@@ -34,6 +35,30 @@ TEST(ABlockOfRowsThatIsOff, HasTwoJumpsAndNoHysteresis) {
   EverydayAxis axis(2);
   for (std::size_t row = 150; row < 333; ++row) axis.x_mm[row] += 600e-6;
   EXPECT_THAT(names_found(axis.diagnosed()), ElementsAre("step_change x"));
+}
+
+// By hand, in one afternoon: the dial drifts by 25 standard deviations while the room warms. With
+// heat alone on offer heat had the name.
+TEST(AnInstrumentThatDrifts, IsNotTakenForTheRoomThatWarmsMeanwhile) {
+  int drift = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Dataset data;
+    std::vector<double> t01, d;
+    for (std::size_t row = 0; row < 60; ++row) {
+      const double hour = static_cast<double>(row) / 30;
+      data.time_s.push_back(3600 * hour);
+      t01.push_back(21 + 1.5 * (1 - std::exp(-hour / 0.8)) + 0.02 * normal(random));
+      d.push_back(12.5 * hour * 0.2 + 0.2 * normal(random));
+    }
+    data.rows = 60;
+    data.columns = {{{"t01", "degC"}, t01}, {{"d", "um"}, d}};
+    const auto found = diagnosed(data, "d ~ 1");
+    ASSERT_EQ(found.findings.size(), 1U) << seed;
+    drift += found.findings[0].cause == "instrument_drift" ? 1 : 0;
+  }
+  EXPECT_GE(drift, 9);
 }
 
 // 12 mm of lever: the measured pose scatters with the tilt, and geometry of that pose would know

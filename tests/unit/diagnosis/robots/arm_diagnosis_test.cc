@@ -209,6 +209,13 @@ TEST(ArmDiagnosis, FindsAJointsZeroThatMovesWithTheTemperature) {
   EXPECT_EQ(found.robot.links[1].errors.drift_channel.name(), "t03_degC");
 }
 
+// A mount that gives way moves a joint by more than the expansion of any metal does.
+TEST(ArmDiagnosis, FindsAJointsZeroThatMovesFarMoreThanMetalGrows) {
+  const auto found = diagnosed({.drift_arcsec_per_k = 140}, 33);
+  EXPECT_EQ(joint_names(found.diagnosis), Names{"joint_offset_drift joint2 t03"});
+  EXPECT_NEAR(number_of(found.diagnosis, "joint_offset_drift", "drift_arcsec_per_k").value, 140, 4);
+}
+
 TEST(ArmDiagnosis, NamesNothingOfAnArmAsDrawn) {
   int named = 0;
   for (std::uint64_t seed = 200; seed < 208; ++seed)
