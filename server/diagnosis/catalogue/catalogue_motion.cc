@@ -4,6 +4,7 @@
 
 #include "server/core/units.h"
 #include "server/diagnosis/catalogue/catalogue_builder.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -15,6 +16,10 @@ constexpr double kWidestPlayNm = 1e5, kNarrowestPlayNm = 10;
 constexpr double kNarrowestPlay = 0.01;  // of a quarter of the stroke
 // 10 nm and 100 um at a radius of 1 m and of 0.2 m.
 constexpr double kWidestPlay_arcsec = 100, kNarrowestPlay_arcsec = 0.002;
+// A screw winds up by the friction between its nut and the bearing that holds it, so that what is
+// lost at a reversal grows along it (ISO 230-2 has the reversal value at each position). Prior
+// probability beside that of a play which is the same all along.
+constexpr double kUnevenPlay = 0.2;
 
 Cause of_motor(const std::string& id, const std::string& q, const std::string& parameter) {
   return {.id = id,
@@ -70,10 +75,16 @@ void add_motion(CatalogueBuilder& builder) {
     // A stage of a hundred nanometres has a play of less than one.
     const double narrowest =
         std::min(angle ? kNarrowestPlay_arcsec : kNarrowestPlayNm, kNarrowestPlay * quarter);
-    builder.add_values(play, log_grid(narrowest, std::clamp(quarter, 2 * narrowest, widest)),
-                       [&](double width) {
-                         return std::vector<Term>{call_term("play", {q}, {{width, unit}})};
-                       });
+    const auto widths = log_grid(narrowest, std::clamp(quarter, 2 * narrowest, widest));
+    const auto play_of = [&](double width) { return call_term("play", {q}, {{width, unit}}); };
+    builder.add_values(play, widths,
+                       [&](double width) { return std::vector<Term>{play_of(width)}; });
+    const std::size_t even = play.cells.size();
+    if (!angle)
+      builder.add_values(play, widths, [&](double width) {
+        return std::vector<Term>{effects::product(power_term(q), play_of(width))};
+      });
+    for (std::size_t c = even; c < play.cells.size(); ++c) play.cells[c].weight = kUnevenPlay;
     builder.take_cause(std::move(play));
     if (!builder.timed()) continue;
     Cause heat = of_motor("self_heating", q, "tau_s");

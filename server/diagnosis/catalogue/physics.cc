@@ -171,7 +171,8 @@ std::span<const PhysicsRecord> physics_table() {
       {"force_position_coupling",
        "change of nm/N over the stroke, up to the third order in the pose", "as force_compliance",
        "50 x", "a cantilever's length; legs that turn"},
-      {"backlash", "nm", "200, 2e-5 of the stroke or 10 sigma", "50 x", "screws 1 to 10 um"},
+      {"backlash", "nm; growth along the stroke", "200, 2e-5 of the stroke or 10 sigma; as much",
+       "50 x", "screws 1 to 10 um"},
       {"creep", "nm over the range of the moves", "1e-4 of the stroke or 10 sigma", "50 x",
        "piezos 1 %, screws 1e-4"},
       {"cyclic_error", "nm", "20, 1e-3 of the period within 1e-5 of the stroke, or 2 sigma", "10 x",
@@ -279,7 +280,8 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "activity_heating") return kActivity_k * per_k * per_column;
   if (id == "backlash")
     return std::max({kPlay_nm, kPlay * stroke_nm, large}) / parameter *
-           (cause.linear == LinearParameter::width_nm ? kNmPerMm : 1);
+           (cause.linear == LinearParameter::width_nm ? kNmPerMm : 1) /
+           (term.factors.size() > 1 ? range_of(cause.subject) : 1);
   if (id == "creep") return std::max(kGeometry * stroke_nm, large) * per_column;
   if (id == "cyclic_error")
     return std::max(

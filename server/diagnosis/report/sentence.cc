@@ -20,16 +20,24 @@ std::string three_digits(double value) { return digits_text(value); }
 struct RateUnit {
   std::string_view name, written;
 };
-constexpr std::array kRateUnits = {
-    RateUnit{"nm_per_k_per_h", "nm/(K/h)"}, RateUnit{"nm_per_n_per_mm", "nm/(N mm)"},
-    RateUnit{"nm_per_k", "nm/K"},           RateUnit{"nm_per_n", "nm/N"},
-    RateUnit{"nm_per_hpa", "nm/hPa"},       RateUnit{"nm_per_h", "nm/h"},
-    RateUnit{"nm_per_pct", "nm/%"},         RateUnit{"ppm_per_k", "ppm/K"},
-    RateUnit{"ppm_per_hpa", "ppm/hPa"},     RateUnit{"ppm_per_h", "ppm/h"},
-    RateUnit{"ppm_per_pct", "ppm/%"},       RateUnit{"arcsec_per_k_per_h", "arcsec/(K/h)"},
-    RateUnit{"arcsec_per_k", "arcsec/K"},   RateUnit{"arcsec_per_n", "arcsec/N"},
-    RateUnit{"arcsec_per_h", "arcsec/h"},   RateUnit{"urad_per_newton_m", "urad/(N m)"},
-    RateUnit{"urad_per_m", "urad/m"}};
+constexpr std::array kRateUnits = {RateUnit{"nm_per_k_per_h", "nm/(K/h)"},
+                                   RateUnit{"nm_per_n_per_mm", "nm/(N mm)"},
+                                   RateUnit{"nm_per_mm", "nm/mm"},
+                                   RateUnit{"nm_per_k", "nm/K"},
+                                   RateUnit{"nm_per_n", "nm/N"},
+                                   RateUnit{"nm_per_hpa", "nm/hPa"},
+                                   RateUnit{"nm_per_h", "nm/h"},
+                                   RateUnit{"nm_per_pct", "nm/%"},
+                                   RateUnit{"ppm_per_k", "ppm/K"},
+                                   RateUnit{"ppm_per_hpa", "ppm/hPa"},
+                                   RateUnit{"ppm_per_h", "ppm/h"},
+                                   RateUnit{"ppm_per_pct", "ppm/%"},
+                                   RateUnit{"arcsec_per_k_per_h", "arcsec/(K/h)"},
+                                   RateUnit{"arcsec_per_k", "arcsec/K"},
+                                   RateUnit{"arcsec_per_n", "arcsec/N"},
+                                   RateUnit{"arcsec_per_h", "arcsec/h"},
+                                   RateUnit{"urad_per_newton_m", "urad/(N m)"},
+                                   RateUnit{"urad_per_m", "urad/m"}};
 
 // A parameter's name in words: "offset_mm_rx_q1" is the offset rx in mm of q1.
 struct ParameterWords {

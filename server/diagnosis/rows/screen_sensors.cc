@@ -87,13 +87,29 @@ bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double
   return foretold.maxCoeff() - foretold.minCoeff() >= kMoved * step;
 }
 
-// A display of tenths stands still for hours where nothing warms.
+// Largest change from one value to the next.
+double largest_change(const std::vector<double>& values) {
+  double largest = 0, before = NAN;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    if (std::isfinite(before)) largest = std::max(largest, std::abs(value - before));
+    before = value;
+  }
+  return largest;
+}
+
+// A display of tenths stands still for hours where nothing warms, and trembles at the edge between
+// two of its values.
 std::vector<std::size_t> frozen_rows(const Dataset& dataset, const DatasetColumn& column) {
   auto rows = frozen_rows(column.values);
   if (rows.empty()) return rows;
   std::vector<double> around = column.values;
   for (const std::size_t row : rows) around[row] = kMissing;
-  const double step = display_step(around, kWidestDisplay_K);
+  double step = display_step(around, kWidestDisplay_K);
+  if (step == 0) {
+    const double of_all = display_step(column.values, kWidestDisplay_K);
+    if (largest_change(around) < kMoved * of_all) step = of_all;
+  }
   if (step > 0 && !moved_meanwhile(dataset, column, step, rows)) rows.clear();
   return rows;
 }

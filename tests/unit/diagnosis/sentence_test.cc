@@ -26,6 +26,7 @@ TEST(Sentence, GivesEveryNumberItsUnitWhateverStandsBehindIt) {
   EXPECT_TRUE(says(with("nm_per_k_q1", 940), "940 nm/K (q1)."));
   EXPECT_TRUE(says(with("nm_per_k_per_h", -209), "-209 nm/(K/h)."));
   EXPECT_TRUE(says(with("nm_per_n_per_mm", 8), "8 nm/(N mm)."));
+  EXPECT_TRUE(says(with("width_nm_per_mm", 5), "width 5 nm/mm."));
   EXPECT_TRUE(says(with("ppm_per_k_y_q1", 12), "y 12 ppm/K (q1)."));
   EXPECT_TRUE(says(with("nm_per_hpa_pressure", 27), "pressure 27 nm/hPa."));
   EXPECT_TRUE(says(with("nm_per_h", 20), "20 nm/h."));

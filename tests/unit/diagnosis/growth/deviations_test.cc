@@ -19,6 +19,7 @@ using ::testing::HasSubstr;
 
 struct Hidden {
   double play_um = 0, bend_um = 0, ppm_per_k = 0;
+  double play_growth_um = 0;  // of the play, from one end to the other
 };
 
 // Five runs up and five down over 21 targets; the last target is read, overrun, and read again.
@@ -34,9 +35,9 @@ Dataset iso_230_2(const std::string& position, const Hidden& hidden, std::uint64
     const double t01 = 20 + 0.8 * std::sin(static_cast<double>(row) / 37);
     at_mm.push_back(at);
     t01_degC.push_back(t01);
-    deviation_um.push_back(0.012 * at - (up ? 0.5 : -0.5) * hidden.play_um +
-                           hidden.bend_um * u * u + 1e-3 * hidden.ppm_per_k * at * (t01 - 20) +
-                           0.35 * normal(random));
+    deviation_um.push_back(
+        0.012 * at - (up ? 0.5 : -0.5) * (hidden.play_um + hidden.play_growth_um * at / 800) +
+        hidden.bend_um * u * u + 1e-3 * hidden.ppm_per_k * at * (t01 - 20) + 0.35 * normal(random));
     data.time_s.push_back(12.0 * static_cast<double>(row));
   }
   data.rows = data.time_s.size();
@@ -99,6 +100,20 @@ TEST(TargetsReadFromEitherSide, AreAsReachedOnTheWayFromTheFirstRowOn) {
   const auto found = diagnosed(data, "ex ~ x");
   ASSERT_THAT(names_found(found), ElementsAre("backlash x"));
   EXPECT_NEAR(found.findings[0].parameters[0].value, 6000, 500);  // nm
+}
+
+// A ball screw winds up: at its free end more is lost at a reversal than at the bearing.
+TEST(APlayThatGrowsAlongAScrew, IsOnePlay) {
+  for (const double at_the_bearing_um : {0.0, 1.5}) {
+    const auto found =
+        diagnosed(iso_230_2("x", {.play_um = at_the_bearing_um, .play_growth_um = 4}, 8), "ex ~ x");
+    ASSERT_THAT(names_found(found), ElementsAre("backlash x")) << at_the_bearing_um;
+    double growth_nm_per_mm = 0;
+    for (const auto& parameter : found.findings[0].parameters)
+      if (parameter.name.ends_with("width_nm_per_mm")) growth_nm_per_mm = parameter.value;
+    EXPECT_NEAR(growth_nm_per_mm, 4000.0 / 800, 0.6) << at_the_bearing_um;
+    EXPECT_NEAR(found.outputs[0].u90_calibration_after, 1645 * 0.35, 80) << at_the_bearing_um;
+  }
 }
 
 // Read twice where it turns, without an overrun: the second reading is on the same side.

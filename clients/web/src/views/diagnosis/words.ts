@@ -46,14 +46,14 @@ export const before = (one: OutputDiscrepancy): number => one.a90ValidationBefor
 export const after = (one: OutputDiscrepancy): number => one.a90ValidationAfter ?? one.a90CalibrationAfter;
 
 const units: readonly [RegExp, string][] = [
-  [/_?nm_per_k_per_h$/, 'nm/(K/h)'], [/_?nm_per_n_per_mm$/, 'nm/(N mm)'], [/_?nm_per_k$/, 'nm/K'], [/_?nm_per_n$/, 'nm/N'],
+  [/_?nm_per_k_per_h$/, 'nm/(K/h)'], [/_?nm_per_n_per_mm$/, 'nm/(N mm)'], [/_?nm_per_mm$/, 'nm/mm'], [/_?nm_per_k$/, 'nm/K'], [/_?nm_per_n$/, 'nm/N'],
   [/_?nm_per_h$/, 'nm/h'], [/_?ppm_per_k$/, 'ppm/K'], [/_?ppm_per_h$/, 'ppm/h'], [/_?nm_per_hpa$/, 'nm/hPa'], [/_?ppm_per_hpa$/, 'ppm/hPa'], [/_?nm_per_pct$/, 'nm/%'], [/_?ppm_per_pct$/, 'ppm/%'], [/_?arcsec_per_k_per_h$/, 'arcsec/(K/h)'], [/_?arcsec_per_k$/, 'arcsec/K'], [/_?arcsec_per_n$/, 'arcsec/N'], [/_?arcsec_per_h$/, 'arcsec/h'],
   [/_?urad_per_m$/, 'urad/m'], [/_?urad_per_newton_m$/, 'urad/(N m)'], [/_s$/, 's'], [/_nm$/, 'nm'], [/_mm$/, 'mm'], [/_arcsec$/, 'arcsec'], [/_h$/, 'h'], [/_mK$/, 'mK'],
 ];
 
 // As the daemon writes rates that stand for several coordinates: "ppm_per_k_x_q1".
 const rates: readonly [string, string][] = [
-  ['nm_per_k_per_h_', 'nm/(K/h)'], ['nm_per_n_per_mm_', 'nm/(N mm)'], ['nm_per_k_', 'nm/K'], ['nm_per_n_', 'nm/N'], ['nm_per_h_', 'nm/h'], ['ppm_per_k_', 'ppm/K'], ['ppm_per_h_', 'ppm/h'], ['nm_per_hpa_', 'nm/hPa'], ['ppm_per_hpa_', 'ppm/hPa'], ['nm_per_pct_', 'nm/%'], ['ppm_per_pct_', 'ppm/%'],
+  ['nm_per_k_per_h_', 'nm/(K/h)'], ['nm_per_n_per_mm_', 'nm/(N mm)'], ['nm_per_mm_', 'nm/mm'], ['nm_per_k_', 'nm/K'], ['nm_per_n_', 'nm/N'], ['nm_per_h_', 'nm/h'], ['ppm_per_k_', 'ppm/K'], ['ppm_per_h_', 'ppm/h'], ['nm_per_hpa_', 'nm/hPa'], ['ppm_per_hpa_', 'ppm/hPa'], ['nm_per_pct_', 'nm/%'], ['ppm_per_pct_', 'ppm/%'],
   ['arcsec_per_k_per_h_', 'arcsec/(K/h)'], ['arcsec_per_k_', 'arcsec/K'], ['arcsec_per_n_', 'arcsec/N'], ['arcsec_per_h_', 'arcsec/h'],
 ];
 
