@@ -290,6 +290,35 @@ double ArmSearch::least_shown(std::size_t cause) const {
   return std::sqrt((needed + std::log(1 + needed)) / std::max(explained, 1e-300));
 }
 
+// Two wheels of one gear: what the second leaves spoils the prediction by the first, and the other
+// way round. The strongest cause beside `one` that is named with it in, and predicts as it does
+// then.
+std::optional<ArmSearch::Soft> ArmSearch::companion(const Soft& one,
+                                                    const std::vector<char>& ruled_out) const {
+  std::optional<std::size_t> best;
+  Evidence most;
+  const auto with = [&](const Soft& soft, std::size_t cause) {
+    auto base = beside(cause);
+    std::erase_if(base, [&](const Soft& other) { return other.cause == soft.cause; });
+    base.push_back(soft);
+    return base;
+  };
+  for (std::size_t c = 0; c < causes_.size(); ++c) {
+    if (ruled_out[c] != 0 || index_of(c) || c == one.cause) continue;
+    const auto found = evidence(c, with(one, c));
+    if (!found.nameable || chance_of(c, found.two_ln) > alpha_) continue;
+    if (!best || found.two_ln > most.two_ln) best = c, most = found;
+  }
+  if (!best) return std::nullopt;
+  const Soft second{*best, most.share};
+  const auto again = evidence(one.cause, with(second, one.cause));
+  if (!again.nameable || chance_of(one.cause, again.two_ln) > alpha_ ||
+      !gate(*best, with(one, *best), most.share).passes ||
+      !gate(one.cause, with(second, one.cause), one.share).passes)
+    return std::nullopt;
+  return second;
+}
+
 void ArmSearch::search(double alpha) {
   alpha_ = alpha;
   std::vector<char> ruled_out(causes_.size(), 0);
@@ -305,6 +334,11 @@ void ArmSearch::search(double alpha) {
     if (!best) break;
     const auto judged = gate(*best, beside(*best), most.share);
     if (!judged.passes) {
+      if (const auto second = companion({*best, most.share}, ruled_out)) {
+        in_.push_back({*best, most.share});
+        in_.push_back(*second);
+        continue;
+      }
       ruled_out[*best] = 1;
       refused_.push_back({*best, most.two_ln, judged});
       continue;

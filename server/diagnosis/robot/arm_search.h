@@ -22,7 +22,8 @@
 // groups of neighbouring joint angles, and over six parts of what the cause is a function of
 // (angle, torque, temperature). Over those six parts the rise of a cause that need not act (all but
 // sag) must also exceed its own spread (Student's t, one-sided 5 %): what predicts some parts and
-// spoils others is another cause's likeness.
+// spoils others is another cause's likeness. One that fails alone may enter with a second, where
+// either passes with the other in.
 
 #include <Eigen/Core>
 #include <optional>
@@ -103,6 +104,7 @@ class ArmSearch {
                                 std::size_t cause, const std::vector<Soft>& base,
                                 double share) const;
   ArmGate gate(std::size_t cause, const std::vector<Soft>& base, double share) const;
+  std::optional<Soft> companion(const Soft& one, const std::vector<char>& ruled_out) const;
   std::optional<std::size_t> index_of(std::size_t cause) const;
   void describe();
 
