@@ -275,7 +275,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
         left, [&](std::size_t i) { return std::max(kWrongRow * sd[i], least); },
         [&](std::size_t i) { return kAgree * sd_across[i]; }, rows, breaks);
     std::vector<char> of_this(rows.size(), 0);
-    double nearest = INFINITY, nearest_middle = INFINITY;
+    double nearest = INFINITY;
     std::size_t count = 0;
     for (const RunOff& run : runs) {
       bool all_own = true;
@@ -284,8 +284,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
       if (!all_own) continue;
       for (std::size_t i = run.first; i < run.first + run.count; ++i) {
         const double off = std::abs(at(i) - run.beside);
-        nearest = std::min(nearest, off);
-        nearest_middle = std::min(nearest_middle, std::abs(about[i]));
+        nearest = std::min({nearest, off, std::abs(about[i])});
         ++count;
         of_this[i] = 1;
         found.push_back({rows[i], output.channel.symbol, off / sd[i]});
@@ -293,16 +292,12 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
       }
     }
     if (count == 0) continue;
-    // A row next to a wrong one is as far off it by half. What three rows make together has lighter
-    // tails in the middle than at its ends; the rows by themselves show theirs.
-    std::vector<double> others, by_themselves;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (of_this[i] == 0) by_themselves.push_back(about[i]);
-      if (i > 0 && i + 1 < rows.size() && !of_this[i - 1] && !of_this[i] && !of_this[i + 1])
-        others.push_back(apart[i]);
-    }
-    const double chance = std::max(student_law(others, 0).beyond(nearest),
-                                   student_law(by_themselves, 0).beyond(nearest_middle));
+    // By the rows themselves: what three of them make together has lighter tails in the middle than
+    // at its ends, where such a row would be.
+    std::vector<double> others;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (of_this[i] == 0) others.push_back(about[i]);
+    const double chance = student_law(others, 0).beyond(nearest);
     p = std::min(p, static_cast<double>(problem.outputs.size()) *
                         chance_of_as_many(chance, count, rows.size()));
   }
