@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "server/calibration/linear/row_qr.h"
@@ -87,8 +88,26 @@ struct BlockErrors {
   std::vector<std::optional<Eigen::VectorXd>> errors;
 };
 
+// Norms of the terms' columns over all rows; nothing where these are too much alike for X'X.
+std::optional<Eigen::VectorXd> lengths_of(const RowReduction& reduction) {
+  std::vector<std::size_t> all(reduction.pieces());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const auto triangle = reduction.triangle(all);
+  if (!triangle) return std::nullopt;
+  return triangle->columns.colwise().norm().transpose();
+}
+
+// A step inside the block is a constant of the rows outside, and datum(k) is zero: such a column
+// varies there by rounding alone, and has no coefficient from them. length: over all rows.
+bool varies(const Triangle& triangle, int column, bool constant, double length) {
+  constexpr double kRounding = 1e-10;
+  const auto all = triangle.columns.col(column);
+  return (constant ? all.tail(all.size() - 1).norm() : all.norm()) > kRounding * length;
+}
+
 std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule,
-                                 const RowReduction& reduction, std::size_t held) {
+                                 const RowReduction& reduction, const Eigen::VectorXd& lengths,
+                                 std::size_t held) {
   const Training training = training_without(design, reduction, held);
   const auto triangle = reduction.triangle(training.pieces);
   if (!triangle) return std::nullopt;
@@ -105,8 +124,9 @@ std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule
           select_from_starts(*triangle, design.basis, design.always, o, rule).selection.set.order();
     } else {
       for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
-        if (triangle->columns.col(j).squaredNorm() > 0 && !rule.leaves_out(o, j))
-          columns.push_back(j);  // datum(k) without rows
+        if (((j == 0 && design.constant) || varies(*triangle, j, design.constant, lengths[j])) &&
+            !rule.leaves_out(o, j))
+          columns.push_back(j);
     }
     const Solution solution = solve(*triangle, design.basis, columns, o);
     if (!solution.deficient.empty() || solution.dof < 1) continue;
@@ -158,8 +178,9 @@ std::vector<std::optional<BlockOutcome>> held_out_by_blocks(const Design& design
                                                             const SelectionRule& rule,
                                                             const Executor& executor) {
   std::vector<std::optional<BlockErrors>> errors(reduction.pieces() / 3);
-  run_on(executor, errors.size(),
-         [&](std::size_t b) { errors[b] = judge(design, rule, reduction, b); });
+  if (const auto lengths = lengths_of(reduction))
+    run_on(executor, errors.size(),
+           [&](std::size_t b) { errors[b] = judge(design, rule, reduction, *lengths, b); });
   // Without a block the rest may be too much alike for X'X.
   if (!std::ranges::all_of(errors, [](const auto& one) { return one.has_value(); })) {
     const RowReduction exact(design, reduction.cuts(), Solver::qr, executor);

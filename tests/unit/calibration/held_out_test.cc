@@ -58,6 +58,21 @@ TEST(HeldOut, IntervalHoldsTheFigureAndNarrowsWithData) {
   EXPECT_LT(width(6000), width(300));
 }
 
+// Every row after the step is in the last block: the others know no height of it.
+TEST(HeldOut, OfAStepThatOneBlockHasIsTheStepAndNoMore) {
+  Dataset data = make_campaign({.rows = 900});
+  const double instant_s = data.time_s[860], height_mm = 2e-4;
+  for (std::size_t i = 0; i < data.rows; ++i)
+    if (data.time_s[i] >= instant_s) data.columns[0].values[i] += height_mm;
+  FitOptions options;
+  options.select = Select::all;
+  const auto model = formats::fit_formula(
+      data, "q1 ~ x + x^2 + T + step(" + std::to_string(instant_s) + " s)", options);
+  ASSERT_TRUE(model.has_value());
+  ASSERT_TRUE(model->outputs[0].accuracy.a90_blocks);
+  EXPECT_LT(*model->outputs[0].accuracy.a90_blocks, 1.1 * height_mm);
+}
+
 TEST(HeldOut, SeesADriftThatNoTermExplains) {
   Dataset data = make_campaign({.rows = 900});
   for (std::size_t i = 0; i < data.rows; ++i)
