@@ -19,6 +19,7 @@ constexpr double kShareBeyondGeometry = 0.5;
 // lattice.
 constexpr int kSmoothDegree = 4;
 constexpr double kShareOfWave = 0.6, kManyPeriods = 8;
+constexpr double kLeftOfWave = 0.1, kFewPeriods = 1.5;  // rms, beside the baseline
 constexpr double kShareOfPlaces = 0.5, kFurtherApart = 10;
 constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
 constexpr Eigen::Index kFewestRowsPerMonomial = 5;
@@ -84,6 +85,11 @@ bool ToldFromGeometry::turns_on_these_places(const Cause& cause, double period,
     high = std::max(high, values[row]);
   }
   const double range = cause.parameter == "period_nm" ? nm_from_mm(high - low) : high - low;
+  if (range >= kFewPeriods * period) {
+    const Eigen::MatrixXd base = problem_.learned(problem_.base_columns);
+    const Eigen::MatrixXd left = columns - base * base.colPivHouseholderQr().solve(columns);
+    if (left.norm() < kLeftOfWave * columns.norm()) return false;
+  }
   if (!(range > kManyPeriods * period)) return true;
   for (std::size_t row = 0; row < values.size(); ++row) {
     const double place = (2 * values[row] - low - high) / (high - low);

@@ -3,7 +3,9 @@
 // its tilts over the workspace, and a lever on them is a polynomial of the pose. Only what tilts do
 // beyond such a polynomial (under force, with heat) speaks for the lever. A wave, too: 10.00012 um
 // along places that are whole multiples of 10 um is one slow turn over 0.8 m, and as smooth as what
-// the geometry lacks.
+// the geometry lacks. And one of the lattice's own spacing is a constant but for a few per cent:
+// what the baseline leaves of it is the difference between the pose as it was read and as the
+// motors predict it, and explains the readings' noise.
 
 #include <Eigen/Core>
 #include <span>
@@ -21,11 +23,11 @@ class ToldFromGeometry {
 
   // columns: of the cause at this parameter, one row per block; shape: of the noise, per output
   // (Gain::shape). Does at least half of what the columns of a lever on tilts explain stay when
-  // geometry is free? Has a wave of eight periods or more along a coordinate more than two on
-  // these places, and does it, of several motors, explain half as much where each row stands at its
-  // place in the mean? Else it is a function of what the other motors do to the axis within a
-  // place: a guide that is not straight, the rounding of what they read. True for every other
-  // cause.
+  // geometry is free? Does the baseline leave a tenth of a wave's rms, has one of eight periods or
+  // more along a coordinate more than two on these places, and does it, of several motors, explain
+  // half as much where each row stands at its place in the mean? Else it is a function of what the
+  // other motors do to the axis within a place: a guide that is not straight, the rounding of what
+  // they read. True for every other cause.
   bool operator()(const Cause& cause, double parameter, const Eigen::MatrixXd& columns,
                   const std::vector<std::size_t>& shape, const Ground& ground) const;
 
