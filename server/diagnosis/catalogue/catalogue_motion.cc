@@ -30,6 +30,12 @@ Cause of_motor(const std::string& id, const std::string& q, const std::string& p
           .scale = ParameterScale::logarithmic};
 }
 
+std::vector<double> every(std::size_t step, const std::vector<double>& values) {
+  std::vector<double> some;
+  for (std::size_t i = 0; i < values.size(); i += step) some.push_back(values[i]);
+  return some;
+}
+
 }  // namespace
 
 // Losses of bearings and motors grow with a power of the speed or current between the first and the
@@ -81,9 +87,10 @@ void add_motion(CatalogueBuilder& builder) {
                        [&](double width) { return std::vector<Term>{play_of(width)}; });
     const std::size_t even = play.cells.size();
     if (!angle)
-      builder.add_values(play, widths, [&](double width) {
-        return std::vector<Term>{effects::product(power_term(q), play_of(width))};
-      });
+      for (const auto& axis : builder.axes())
+        builder.add_values(play, every(builder.axes().size(), widths), [&](double width) {
+          return std::vector<Term>{effects::product(power_term(axis), play_of(width))};
+        });
     for (std::size_t c = even; c < play.cells.size(); ++c) play.cells[c].weight = kUnevenPlay;
     builder.take_cause(std::move(play));
     if (!builder.timed()) continue;

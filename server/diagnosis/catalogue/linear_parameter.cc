@@ -90,6 +90,7 @@ LinearNumber linear_number(LinearParameter parameter, const effects::Term& term,
       if (of_rotation(term) || of_higher_order(term)) return {};
       return {"nm_per_n_per_mm", 1};
     case LinearParameter::width_nm:  // the play's own output is in mm for a width of `value` nm
+      if (of_rotation(term)) return {};
       return {term.factors.size() > 1 ? "width_nm_per_mm" : "width_nm", value / kNmPerMm};
     case LinearParameter::offset_mm:  // nm per arcsec
       return {"offset_mm", 1 / (kRadPerArcsec * kNmPerMm)};

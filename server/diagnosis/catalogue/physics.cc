@@ -281,7 +281,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "backlash")
     return std::max({kPlay_nm, kPlay * stroke_nm, large}) / parameter *
            (cause.linear == LinearParameter::width_nm ? kNmPerMm : 1) /
-           (term.factors.size() > 1 ? range_of(cause.subject) : 1);
+           (term.factors.size() > 1 ? std::max(range_of(axis_of(term)), 1e-12) : 1);
   if (id == "creep") return std::max(kGeometry * stroke_nm, large) * per_column;
   if (id == "cyclic_error")
     return std::max(

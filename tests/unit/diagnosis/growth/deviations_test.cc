@@ -116,6 +116,25 @@ TEST(APlayThatGrowsAlongAScrew, IsOnePlay) {
   }
 }
 
+// The motor's reading is the output: it may not stand among the terms that predict it.
+TEST(APlayThatGrowsAlongAScrew, HasAFormulaOfThePoseWhereTheMotorIsTheOutput) {
+  const Dataset whole = iso_230_2("x", {.play_growth_um = 4}, 8);
+  Dataset data;
+  std::vector<double> x_mm, q1_mm;
+  for (std::size_t row = 0; row < whole.rows; ++row) {
+    if (row > 0 && row % 21 == 0) continue;  // no target twice in succession
+    x_mm.push_back(whole.columns[0].values[row]);
+    q1_mm.push_back(x_mm.back() + 1e-3 * whole.columns[1].values[row]);
+    data.time_s.push_back(whole.time_s[row]);
+  }
+  data.rows = x_mm.size();
+  data.columns = {{{"x", "mm"}, x_mm}, {{"q1", "mm"}, q1_mm}};
+  const auto found = diagnosed(data, "q1 ~ x");
+  ASSERT_THAT(names_found(found), ElementsAre("backlash q1"));
+  EXPECT_THAT(found.extended_formula, HasSubstr("x:play(q1"));
+  EXPECT_TRUE(formats::fit_formula(data, found.extended_formula, {}));
+}
+
 // Read twice where it turns, without an overrun: the second reading is on the same side.
 TEST(TargetsReadFromEitherSide, AreOnTheSideThatTheReadingsShow) {
   Dataset data = iso_230_2("x", {}, 6);
