@@ -137,7 +137,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                                value,
                                Interval{value - reach, value + reach},
                                {}};
-      // Which side is which is the motor's; that a play shrinks along the axis is not.
+      // The motor chooses which side is positive; whether a play grows or shrinks it does not.
       const bool grows = k > 0 && term.factors.size() > 1;
       if (is_width && (grows ? fit.added_coefficient(0) : value) < 0) {
         parameter.value = -value;
