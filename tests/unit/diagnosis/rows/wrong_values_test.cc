@@ -81,7 +81,7 @@ TEST(OneWrongRow, IsFoundInAShortFile) {
   EXPECT_GE(found, 9);
 }
 
-// A zero of its own, and then lunch: the robot is another one when the rest of the rows comes.
+// The first row after a new zero, and then lunch: the robot is another one when the rest comes.
 TEST(OneWrongRow, IsNotARowBetweenAZeroAndAPause) {
   int named = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -106,7 +106,8 @@ TEST(OneWrongRow, IsNotARowBetweenAZeroAndAPause) {
   EXPECT_EQ(named, 0);
 }
 
-// Such noise has an error of twelve robust standard deviations in every second file.
+// Noise of Student's law with three degrees of freedom: an error of ten robust standard deviations
+// in every third file.
 TEST(OneWrongRow, IsNotTheLargestOfNoiseWithHeavyTails) {
   int named = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
