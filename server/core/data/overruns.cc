@@ -20,7 +20,7 @@ double smallest_move(const std::vector<double>& values) {
   return smallest;
 }
 
-// In the order of the rows.
+// Turns in the order of the rows.
 std::vector<Turn> turns_of(const Dataset& dataset) {
   std::vector<std::size_t> coordinates;
   for (std::size_t c = 0; c < dataset.columns.size(); ++c) {

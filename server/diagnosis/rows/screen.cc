@@ -292,8 +292,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
       }
     }
     if (count == 0) continue;
-    // By the rows themselves: what three of them make together has lighter tails in the middle than
-    // at its ends, where such a row would be.
+    // The rows themselves: a row less its neighbours has lighter tails than the row.
     std::vector<double> others;
     for (std::size_t i = 0; i < rows.size(); ++i)
       if (of_this[i] == 0) others.push_back(about[i]);

@@ -97,8 +97,8 @@ TEST(IdentifyArm, ThePlacementAloneIsTheRigidFitOfTheNominalArm) {
   EXPECT_LE(placed->evaluations, 4);
 }
 
-// Five poses, thirty times each (ISO 9283): fifteen numbers measured, twenty-seven free. What the
-// joints' readings wander tells the rest apart by name only.
+// Five poses, thirty times each (ISO 9283): fifteen numbers measured, twenty-seven free. The
+// joints' readings wander by 1e-5 rad, which makes the rest free in name.
 TEST(IdentifyArm, HoldsWhatFivePosesHardlyDetermine) {
   const auto truth = crooked_arm();
   for (unsigned seed = 1; seed <= 5; ++seed) {
@@ -107,7 +107,9 @@ TEST(IdentifyArm, HoldsWhatFivePosesHardlyDetermine) {
     int held = 0;
     for (const auto& one : found.parameters) {
       held += one.note.starts_with("held: these rows determine it") ? 1 : 0;
-      EXPECT_LT(std::abs(one.value - one.parameter.nominal), 1e4) << one.parameter.name;
+      if (!one.parameter.placement) {
+        EXPECT_LT(std::abs(one.value - one.parameter.nominal), 20) << one.parameter.name;
+      }
     }
     EXPECT_GT(held, 0);
     EXPECT_LT(std::sqrt(found.rss.sum() / 450), 0.012);

@@ -93,8 +93,8 @@ TEST(TargetsReadFromEitherSide, AreAsReachedFromEitherSideWhereAnOverrunIsInNoRo
   EXPECT_THAT(diagnosed(data, "ex ~ x").warnings, ::testing::Not(Contains(HasSubstr("overruns"))));
 }
 
-// Once up and once down, the play far above the noise: which way the first target was reached is
-// taken as ISO 230-2 has it, and its row is as good as the others.
+// A run up and one down, the play far above the noise. The first target counts as reached on the
+// way of the next (ISO 230-2), so that its row is as good as the others.
 TEST(TargetsReadFromEitherSide, AreAsReachedOnTheWayFromTheFirstRowOn) {
   Dataset data = rows_kept(iso_230_2("x", {.play_um = 6}, 7), 42);
   const auto found = diagnosed(data, "ex ~ x");

@@ -37,8 +37,7 @@ TEST(ABlockOfRowsThatIsOff, HasTwoJumpsAndNoHysteresis) {
   EXPECT_THAT(names_found(axis.diagnosed()), ElementsAre("step_change x"));
 }
 
-// By hand, in one afternoon: the dial drifts by 25 standard deviations while the room warms. With
-// heat alone on offer heat had the name.
+// A dial read by hand for an afternoon: it drifts by 25 standard deviations while the room warms.
 TEST(AnInstrumentThatDrifts, IsNotTakenForTheRoomThatWarmsMeanwhile) {
   int drift = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

@@ -102,7 +102,7 @@ TEST(AThermometerOfTenths, HidesNoWave) {
   EXPECT_THAT(names_found(axis.diagnosed()), ElementsAre(HasSubstr("cyclic_error")));
 }
 
-// At first the part is at the edge between two tenths, and the display trembles; then it is not.
+// The part begins at the edge between two tenths, where the display trembles, and leaves it.
 TEST(ADisplayThatStandsStill, MayHaveTrembledBefore) {
   EverydayAxis axis(5);
   std::mt19937_64 random(6);
