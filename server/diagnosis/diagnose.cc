@@ -432,6 +432,15 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     if (found) found->warnings.insert(found->warnings.begin(), usable->sentence);
     return found;
   }
+  auto strays = deviations_of(dataset, options.baseline);
+  std::erase_if(strays, [&](const std::string& symbol) {
+    return std::ranges::find(options.exclude_symbols, symbol) != options.exclude_symbols.end();
+  });
+  if (!strays.empty()) {
+    DiagnoseOptions without = options;
+    without.exclude_symbols.insert(without.exclude_symbols.end(), strays.begin(), strays.end());
+    return diagnose(dataset, without);
+  }
   if (options.simulated.size() == 0)
     if (const auto with = stand_ins(dataset, options)) {
       auto found = diagnose(with->data, with->options);

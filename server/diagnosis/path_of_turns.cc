@@ -1,65 +1,79 @@
 #include "server/diagnosis/path_of_turns.h"
 
 #include <Eigen/QR>
+#include <Eigen/Sparse>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
-#include "server/calibration/design/predict.h"
 #include "server/core/data/overruns.h"
 #include "server/core/try.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-// 2 ln of the likelihoods' ratio, of independent rows: of noise alone 1 in 600.
+// 2 ln of the likelihoods' ratio: of noise alone 1 in 600.
 constexpr double kFarLess = 10;
 constexpr double kWidth_nm = 0.1, kWidth_arcsec = 1e-4;  // of a play that every move takes up
 
 // Sides of every motor: what a play narrower than any move leaves behind. Rows that learn.
-Eigen::MatrixXd sides(const Dataset& path, const Problem& problem) {
+Result<Eigen::MatrixXd> sides(const Problem& problem) {
   std::vector<effects::Term> plays;
-  for (const auto& column : path.columns) {
+  for (const auto& column : problem.prepared.path().columns) {
     const auto& [symbol, unit] = column.channel;
     if (!is_motor_symbol(symbol)) continue;
     const effects::Quantity width = unit == "mm" ? effects::Quantity{kWidth_nm, "nm"}
                                                  : effects::Quantity{kWidth_arcsec, "arcsec"};
     plays.push_back({{effects::Call{"play", {symbol}, {width}}}});
   }
-  const auto columns = calibration::raw_columns(path, plays);
-  return columns ? Eigen::MatrixXd(rows_of(*columns, problem.learn)) : Eigen::MatrixXd();
+  DRIFTWISE_TRY(const auto columns, problem.prepared.columns(plays));
+  return Eigen::MatrixXd(rows_of(columns, problem.learn));
 }
 
-// Less its mean over the rows at one place of all motors, so that nothing that goes with the place
-// hides a play. As they are where most rows have a place of their own.
-class WithinPlaces {
+// Correlations of the errors of neighbouring rows that are tried: a room that drifts is no play.
+constexpr std::array<double, 7> kCorrelations = {0, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99};
+
+// Independent rows of errors with this correlation from row to row.
+Eigen::MatrixXd whitened(const Eigen::MatrixXd& values, double correlation) {
+  Eigen::MatrixXd white = values;
+  const Eigen::Index later = values.rows() - 1;
+  white.bottomRows(later) -= correlation * values.topRows(later);
+  white.row(0) *= std::sqrt(1 - correlation * correlation);
+  return white;
+}
+
+// A level for each place of all motors, so that nothing that goes with the place hides a play. None
+// where most rows have a place of their own.
+class Places {
  public:
-  WithinPlaces(const Problem& problem, const Dataset& dataset) {
+  explicit Places(const Problem& problem) {
     std::map<std::vector<double>, Eigen::Index> numbers;
     for (const std::size_t row : problem.learn) {
       std::vector<double> place;
-      for (const auto& column : dataset.columns)
+      for (const auto& column : problem.prepared.path().columns)
         if (is_motor_symbol(column.channel.symbol)) place.push_back(column.values[row]);
       place_of_.push_back(
           numbers.emplace(std::move(place), static_cast<Eigen::Index>(numbers.size()))
               .first->second);
     }
-    places_ = static_cast<Eigen::Index>(numbers.size());
+    places_ = std::ssize(numbers);
   }
 
-  Eigen::MatrixXd operator()(Eigen::MatrixXd values) const {
-    if (2 * places_ > values.rows()) return values;
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(places_, values.cols());
-    Eigen::VectorXd counts = Eigen::VectorXd::Zero(places_);
-    for (Eigen::Index i = 0; i < values.rows(); ++i) {
-      sums.row(place_of_[static_cast<std::size_t>(i)]) += values.row(i);
-      counts[place_of_[static_cast<std::size_t>(i)]] += 1;
+  // What the levels leave of whitened columns.
+  Eigen::MatrixXd beyond(const Eigen::MatrixXd& white, double correlation) const {
+    if (2 * places_ > white.rows()) return white;
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Eigen::Index i = 0; i < white.rows(); ++i) {
+      const double own = i > 0 ? 1 : std::sqrt(1 - correlation * correlation);
+      entries.emplace_back(i, place_of_[static_cast<std::size_t>(i)], own);
+      if (i > 0) entries.emplace_back(i, place_of_[static_cast<std::size_t>(i - 1)], -correlation);
     }
-    for (Eigen::Index i = 0; i < values.rows(); ++i) {
-      const Eigen::Index place = place_of_[static_cast<std::size_t>(i)];
-      values.row(i) -= sums.row(place) / counts[place];
-    }
-    return values;
+    Eigen::SparseMatrix<double> levels(white.rows(), places_);
+    levels.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SparseMatrix<double> gram = levels.transpose() * levels;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(gram);
+    return white - levels * solver.solve(levels.transpose() * white);
   }
 
  private:
@@ -67,36 +81,33 @@ class WithinPlaces {
   Eigen::Index places_ = 0;
 };
 
-double two_ln_likelihood(const Problem& problem, const WithinPlaces& within,
+double two_ln_likelihood(const Problem& problem, const Places& places,
                          const Eigen::MatrixXd& further) {
   const Eigen::MatrixXd base = rows_of(problem.base_columns, problem.learn);
-  Eigen::MatrixXd columns(base.rows(), base.cols() + further.cols());
-  columns << base, further;
-  columns = within(columns);
-  const Eigen::RowVectorXd lengths = columns.colwise().norm().cwiseMax(1e-300);
-  columns = columns * lengths.cwiseInverse().asDiagonal();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  double sum = 0;
-  for (const auto& output : problem.outputs) {
-    const Eigen::VectorXd measured = within(rows_of(output.measured, problem.learn));
-    const double left = (measured - columns * qr.solve(measured)).squaredNorm();
-    sum -= static_cast<double>(base.rows()) * std::log(std::max(left, 1e-300));
+  const auto outputs = std::ssize(problem.outputs);
+  Eigen::MatrixXd all(base.rows(), base.cols() + further.cols() + outputs);
+  all.leftCols(base.cols() + further.cols()) << base, further;
+  for (Eigen::Index o = 0; o < outputs; ++o)
+    all.col(all.cols() - outputs + o) =
+        rows_of(problem.outputs[static_cast<std::size_t>(o)].measured, problem.learn);
+  const Eigen::RowVectorXd lengths = all.colwise().norm().cwiseMax(1e-300);
+  all = all * lengths.cwiseInverse().asDiagonal();
+  const auto rows = static_cast<double>(all.rows());
+  Eigen::VectorXd most = Eigen::VectorXd::Constant(outputs, -INFINITY);
+  for (const double correlation : kCorrelations) {
+    const Eigen::MatrixXd white = places.beyond(whitened(all, correlation), correlation);
+    const Eigen::MatrixXd measured = white.rightCols(outputs),
+                          columns = white.leftCols(white.cols() - outputs);
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    const Eigen::RowVectorXd left =
+        (measured - columns * qr.solve(measured)).colwise().squaredNorm().cwiseMax(1e-300);
+    most = most.cwiseMax(
+        (std::log(1 - correlation * correlation) - rows * left.array().log()).matrix().transpose());
   }
-  return sum;
+  return most.sum();
 }
 
-std::string overruns_at_turns(const Problem& problem, const Dataset& dataset) {
-  if (dataset.time_s.empty() || says_overruns(dataset)) return "";
-  const auto rows = rows_after_overruns(dataset);
-  if (rows.empty()) return "";
-  Dataset with = dataset;
-  with.metadata.emplace_back(kOverruns, "yes");
-  const Eigen::MatrixXd plain = sides(dataset, problem), overrun = sides(with, problem);
-  if (plain.cols() == 0 || !plain.allFinite() || !overrun.allFinite()) return "";
-  const WithinPlaces within(problem, dataset);
-  if (two_ln_likelihood(problem, within, overrun) <
-      two_ln_likelihood(problem, within, plain) + kFarLess)
-    return "";
+std::string overruns_sentence(const std::vector<std::size_t>& rows) {
   return std::to_string(rows.size()) + " rows (the first is row " + std::to_string(rows[0] + 1) +
          ") repeat a target where the axis turns, and read as if it had gone past the target in "
          "between, as ISO 230-2 has it: they count as reached from the other side. For a fit, "
@@ -110,11 +121,23 @@ Result<Problem> lay_out_on_path(Dataset& data, const calibration::Candidates& ba
                                 std::size_t longest, Judging judging,
                                 std::vector<std::string>& sentences) {
   DRIFTWISE_TRY(auto problem, lay_out(data, baseline, longest, judging));
-  auto said = overruns_at_turns(problem, data);
-  if (said.empty()) return problem;
-  sentences.push_back(std::move(said));
-  data.metadata.emplace_back(kOverruns, "yes");
-  return lay_out(data, baseline, longest, judging);
+  if (data.time_s.empty() || says_overruns(data)) return problem;
+  const auto rows = rows_after_overruns(data);
+  if (rows.empty()) return problem;
+  const auto plain = sides(problem);
+  Dataset with = data;
+  with.metadata.emplace_back(kOverruns, "yes");
+  DRIFTWISE_TRY(auto overrunning, lay_out(with, baseline, longest, judging));
+  const auto overrun = sides(overrunning);
+  if (!plain || !overrun || plain->cols() == 0 || !plain->allFinite() || !overrun->allFinite())
+    return problem;
+  const Places places(problem);
+  if (two_ln_likelihood(problem, places, *overrun) <
+      two_ln_likelihood(problem, places, *plain) + kFarLess)
+    return problem;
+  sentences.push_back(overruns_sentence(rows));
+  data = std::move(with);
+  return overrunning;
 }
 
 }  // namespace driftwise::diagnosis

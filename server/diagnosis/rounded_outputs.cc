@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kFewestRounded = 16;
 constexpr double kOffTheGrid = 1e-6;   // of a step, off a whole number of them
-constexpr double kSmallest = 1e-6;     // of the range, of a step
+constexpr double kSmallest = 1e-8;     // of the range, of a step
 constexpr double kNoiseOfAStep = 0.5;  // above it rounding errors are as good as independent
 // Robust standard deviation of readings about what is simulated, in steps: 0.37 where rounding is
 // all there is. Less: the values are nominal. More: something else is larger.
@@ -126,12 +126,39 @@ Step step_behind_motor(const Problem& problem, const ProblemOutput& output, cons
   return second > kNearlyAsCoarse * coarsest.size ? Step{} : coarsest;
 }
 
-Step step_of(const Problem& problem, const ProblemOutput& output, const Dataset& given) {
+// The coarsest first. A motor's reading may be what was measured, or the pose behind it.
+std::vector<Step> steps_of(const Problem& problem, const ProblemOutput& output,
+                           const Dataset& given) {
   const auto* column = given.find(output.channel.symbol);
   if (column == nullptr) return {};
-  if (is_motor_symbol(output.channel.symbol)) return step_behind_motor(problem, output, given);
-  return {column->channel.name(),
-          decimal_step(column->values) * summary_unit(column->channel.unit).factor};
+  std::vector<Step> steps = {
+      {column->channel.name(),
+       decimal_step(column->values) * summary_unit(column->channel.unit).factor}};
+  if (is_motor_symbol(output.channel.symbol))
+    steps.push_back(step_behind_motor(problem, output, given));
+  std::erase_if(steps, [](const Step& step) { return !(step.size > 0); });
+  std::ranges::sort(steps, std::ranges::greater{}, &Step::size);
+  return steps;
+}
+
+struct Rounding {
+  Step step;
+  Law law;
+};
+
+// The first of them that is no nominal position's and that the noise does not hide.
+std::optional<Rounding> rounding_of(const std::vector<Step>& steps,
+                                    const Eigen::MatrixXd& simulation,
+                                    const Eigen::VectorXd& readings) {
+  for (const Step& step : steps) {
+    auto law = behind(simulation, readings, step.size);
+    if (!law) return std::nullopt;
+    const double spread = spread_about(law->foretold, readings, step.size);
+    if (spread < kLeastSpread) continue;
+    if (spread > kMostSpread || law->sd > kNoiseOfAStep * step.size) return std::nullopt;
+    return Rounding{step, std::move(*law)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -169,8 +196,8 @@ Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Datase
   std::vector<Eigen::VectorXd> freed(problem.outputs.size());
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     auto& output = problem.outputs[o];
-    const auto [channel, step] = step_of(problem, output, given);
-    if (!(step > 0)) continue;
+    const auto steps = steps_of(problem, output, given);
+    if (steps.empty()) continue;
     Eigen::MatrixXd simulation = problem.base_columns;
     for (const auto& finding : found) {
       if (finding.terms.empty()) continue;
@@ -184,11 +211,10 @@ Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Datase
     const Eigen::RowVectorXd lengths = x.colwise().norm().cwiseMax(1e-300);
     x = (x.array().rowwise() / lengths.array()).matrix().eval();
     const Eigen::VectorXd readings = rows_of(output.measured, rows);
-    const auto found_law = behind(x, readings, step);
-    if (!found_law) continue;
-    const Law& law = *found_law;
-    const double spread = spread_about(law.foretold, readings, step);
-    if (spread < kLeastSpread || spread > kMostSpread || law.sd > kNoiseOfAStep * step) continue;
+    const auto rounding = rounding_of(steps, x, readings);
+    if (!rounding) continue;
+    const auto& [read, law] = *rounding;
+    const double step = read.size;
     std::mt19937_64 random(1);
     freed[o] = Eigen::VectorXd::Zero(output.measured.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -199,7 +225,7 @@ Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Datase
                                             random);
       freed[o][static_cast<Eigen::Index>(rows[i])] = readings[at] - value;
     }
-    said.push_back(channel + " is read in steps of " + quantity_text(step, output.unit) +
+    said.push_back(read.channel + " is read in steps of " + quantity_text(step, output.unit) +
                    ", and its noise is " + quantity_text(law.sd, output.unit) +
                    ": where in a step a value was is taken from the simulation and this noise. An "
                    "effect of less than a step is hardly seen; a finer display would show it");

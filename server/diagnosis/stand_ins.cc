@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
+#include <iterator>
 
 #include "server/diagnosis/rows/predicted_pose.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -31,10 +34,26 @@ std::vector<const DatasetColumn*> places(const Dataset& dataset, bool motors, bo
   return result;
 }
 
-bool has_any(const Dataset& dataset, bool (*is_one)(std::string_view),
-             bool (*of)(std::string_view)) {
+bool has_any(const Dataset& dataset, const std::vector<std::string>& but,
+             bool (*is_one)(std::string_view), bool (*of)(std::string_view)) {
   return std::ranges::any_of(dataset.columns, [&](const DatasetColumn& column) {
-    return is_one(column.channel.symbol) && of(column.channel.unit) && varies(column);
+    const auto& [symbol, unit] = column.channel;
+    return is_one(symbol) && of(unit) && varies(column) &&
+           std::ranges::find(but, symbol) == but.end();
+  });
+}
+
+double range_nm(const DatasetColumn& column) {
+  double low = INFINITY, high = -INFINITY;
+  for (const double value : column.values)
+    if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+  return high > low ? (high - low) * summary_unit(column.channel.unit).factor : 0;
+}
+
+bool reads(const calibration::Candidates& baseline, const std::string& symbol) {
+  return std::ranges::any_of(baseline.terms, [&](const effects::Term& term) {
+    const auto symbols = effects::symbols_of(term);
+    return std::ranges::find(symbols, symbol) != symbols.end();
   });
 }
 
@@ -82,23 +101,53 @@ class Renaming {
 
 }  // namespace
 
+std::vector<std::string> deviations_of(const Dataset& dataset,
+                                       const calibration::Candidates& baseline) {
+  constexpr double kOfAnAxis = 1e-3;
+  double longest = 0;
+  for (const auto& column : dataset.columns)
+    if (const auto& symbol = column.channel.symbol;
+        is_length(column.channel.unit) && (is_motor_symbol(symbol) || is_pose_symbol(symbol)))
+      longest = std::max(longest, range_nm(column));
+  std::vector<std::string> result;
+  for (const auto& column : dataset.columns) {
+    const auto& [symbol, unit] = column.channel;
+    if (!is_pose_symbol(symbol) || !is_length(unit) || !(range_nm(column) < kOfAnAxis * longest))
+      continue;
+    const bool output = std::ranges::find(baseline.outputs, symbol) != baseline.outputs.end();
+    if (output || (!reads(baseline, symbol) && !repeats_exactly(dataset, column.values)))
+      result.push_back(symbol);
+  }
+  return result;
+}
+
 std::optional<StandIns> stand_ins(const Dataset& dataset, const DiagnoseOptions& options) {
   const auto& outputs = options.baseline.outputs;
   if (std::ranges::any_of(outputs, is_motor_symbol)) return std::nullopt;
-  const bool motors =
-      has_any(dataset, is_motor_symbol, is_length) || has_any(dataset, is_motor_symbol, is_angle);
-  const bool lengths = has_any(dataset, is_pose_symbol, is_length),
-             angles = has_any(dataset, is_pose_symbol, is_angle);
+  const auto strays = deviations_of(dataset, options.baseline);
+  const bool motors = has_any(dataset, {}, is_motor_symbol, is_length) ||
+                      has_any(dataset, {}, is_motor_symbol, is_angle);
+  const bool lengths = has_any(dataset, strays, is_pose_symbol, is_length),
+             angles = has_any(dataset, {}, is_pose_symbol, is_angle);
   if (motors && lengths) return std::nullopt;
   auto own = places(dataset, motors, false, outputs);
   const bool turns = own.empty();
   if (turns) own = places(dataset, motors, true, outputs);
   if (own.empty() || own.size() > (turns ? 1 : kAxes.size())) return std::nullopt;
   if (motors && turns && angles) return std::nullopt;
+  std::vector<const char*> names;
+  if (!motors)
+    names.assign(kMotors.begin(), kMotors.end());
+  else if (turns)
+    names = {"rz"};
+  else
+    std::ranges::copy_if(kAxes, std::back_inserter(names),
+                         [&](const char* axis) { return dataset.find(axis) == nullptr; });
+  if (own.size() > names.size()) return std::nullopt;
   StandIns result{dataset, options, {}};
   auto& excluded = result.options.exclude_symbols;
   for (std::size_t k = 0; k < own.size(); ++k) {
-    const char* stand = motors ? (turns ? "rz" : kAxes[k]) : kMotors[k];
+    const char* stand = names[k];
     result.names.emplace_back(stand, own[k]->channel.symbol);
     result.data.columns.push_back({{stand, own[k]->channel.unit}, own[k]->values});
     if (std::ranges::find(excluded, own[k]->channel.symbol) != excluded.end())

@@ -13,6 +13,12 @@
 
 namespace driftwise::diagnosis {
 
+// Lengths of the pose that are no coordinate of a machine: how far it strays from a line, beside an
+// axis a thousand times as long ("y ~ x", straightness). They were measured, like the output, and
+// no cause may read them. An output, or what the baseline does not read and does not repeat.
+std::vector<std::string> deviations_of(const Dataset& dataset,
+                                       const calibration::Candidates& baseline);
+
 struct StandIns {
   Dataset data;             // with the columns that stand in
   DiagnoseOptions options;  // the baseline reads the pose where it read a motor's place

@@ -7,10 +7,13 @@
 namespace driftwise {
 namespace {
 
+// Before `row` the coordinate stood further on by `part` of its move to the row `along`.
 struct Turn {
-  std::size_t row = 0, column = 0;
-  double beyond = 0;  // where the coordinate stood in between
+  std::size_t row = 0, column = 0, along = 0;
+  double part = 0;
 };
+
+using Columns = std::vector<std::size_t>;
 
 double smallest_move(const std::vector<double>& values) {
   double smallest = INFINITY;
@@ -20,38 +23,46 @@ double smallest_move(const std::vector<double>& values) {
   return smallest;
 }
 
-// Turns in the order of the rows.
-std::vector<Turn> turns_of(const Dataset& dataset) {
-  std::vector<std::size_t> coordinates;
-  for (std::size_t c = 0; c < dataset.columns.size(); ++c) {
-    const auto symbol = without_robot(dataset.columns[c].channel.symbol);
-    if (is_motor_symbol(symbol) || is_pose_symbol(symbol)) coordinates.push_back(c);
-  }
-  // Motors say where a machine was sent; without them the nominal pose does.
-  const auto is_motor = [&](std::size_t c) {
-    return is_motor_symbol(without_robot(dataset.columns[c].channel.symbol));
-  };
-  if (std::ranges::any_of(coordinates, is_motor))
-    std::erase_if(coordinates, [&](std::size_t c) { return !is_motor(c); });
+Columns columns_of(const Dataset& dataset, bool (*is_wanted)(std::string_view)) {
+  Columns columns;
+  for (std::size_t c = 0; c < dataset.columns.size(); ++c)
+    if (is_wanted(without_robot(dataset.columns[c].channel.symbol))) columns.push_back(c);
+  return columns;
+}
+
+// Of the commanded coordinates, in the order of the rows.
+std::vector<Turn> turns_among(const Dataset& dataset, const Columns& commanded) {
   const auto move = [&](std::size_t c, std::size_t row) {
     const auto& values = dataset.columns[c].values;
     return values[row] - values[row - 1];
   };
   std::vector<double> half_move(dataset.columns.size());
-  for (const std::size_t c : coordinates)
-    half_move[c] = smallest_move(dataset.columns[c].values) / 2;
+  for (const std::size_t c : commanded) half_move[c] = smallest_move(dataset.columns[c].values) / 2;
   std::vector<Turn> turns;
   for (std::size_t row = 2; row + 1 < dataset.rows; ++row) {
-    if (!std::ranges::all_of(coordinates, [&](std::size_t c) { return move(c, row) == 0; }))
-      continue;
-    for (const std::size_t c : coordinates) {
+    if (!std::ranges::all_of(commanded, [&](std::size_t c) { return move(c, row) == 0; })) continue;
+    for (const std::size_t c : commanded) {
       const double before = move(c, row - 1), after = move(c, row + 1);
       if (!(before * after < 0)) continue;
-      turns.push_back(
-          {row, c, dataset.columns[c].values[row] + std::copysign(half_move[c], before)});
+      turns.push_back({row, c, row - 1, half_move[c] / std::abs(before)});
     }
   }
   return turns;
+}
+
+struct Turns {
+  std::vector<Turn> commanded;
+  Columns measured;  // coordinates that go along
+};
+
+// Motors say where a machine was sent. Where they are what was measured they hardly ever repeat a
+// place, and the nominal pose does; it also does where there are no motors.
+Turns turns_of(const Dataset& dataset) {
+  const Columns motors = columns_of(dataset, is_motor_symbol);
+  const Columns poses = columns_of(dataset, is_pose_symbol);
+  auto of_motors = turns_among(dataset, motors), of_pose = turns_among(dataset, poses);
+  if (of_motors.size() >= of_pose.size()) return {std::move(of_motors), poses};
+  return {std::move(of_pose), motors};
 }
 
 // The first target too is reached from where its way leads on: each coordinate that turns stands
@@ -64,8 +75,8 @@ std::vector<Turn> with_the_start(std::vector<Turn> turns, const Dataset& dataset
     const auto& values = dataset.columns[turn.column].values;
     const auto moved = std::ranges::find_if(values, [&](double v) { return v != values[0]; });
     if (moved == values.end()) continue;
-    start.push_back(
-        {0, turn.column, values[0] - std::copysign(smallest_move(values) / 2, *moved - values[0])});
+    start.push_back({0, turn.column, static_cast<std::size_t>(moved - values.begin()),
+                     -smallest_move(values) / 2 / std::abs(*moved - values[0])});
   }
   turns.insert(turns.begin(), start.begin(), start.end());
   return turns;
@@ -88,14 +99,20 @@ bool says_overruns(const Dataset& dataset) {
 
 std::vector<std::size_t> rows_after_overruns(const Dataset& dataset) {
   std::vector<std::size_t> rows;
-  for (const Turn& turn : turns_of(dataset))
+  for (const Turn& turn : turns_of(dataset).commanded)
     if (rows.empty() || rows.back() != turn.row) rows.push_back(turn.row);
   return rows;
 }
 
 WholePath with_overruns(const Dataset& dataset) {
-  const auto turns = with_the_start(turns_of(dataset), dataset);
+  const auto [commanded, measured] = turns_of(dataset);
+  const auto turns = with_the_start(commanded, dataset);
   WholePath whole{dataset, {}};
+  const auto further_on = [&](std::size_t column, const Turn& turn) {
+    const auto& values = dataset.columns[column].values;
+    whole.data.columns[column].values[turn.row] =
+        values[turn.row] + turn.part * (values[turn.along] - values[turn.along - 1]);
+  };
   std::vector<std::size_t> rows;  // that have another one before them, from the last
   auto turn = turns.rbegin();
   while (turn != turns.rend()) {  // from the end: earlier rows keep their numbers
@@ -106,8 +123,8 @@ WholePath with_overruns(const Dataset& dataset) {
     repeat(data.zero, row), repeat(data.dwell_s, row), repeat(data.run, row);
     repeat(data.datum, row), repeat(data.excluded, row);
     for (auto& column : data.columns) repeat(column.values, row);
-    for (; turn != turns.rend() && turn->row == row; ++turn)
-      data.columns[turn->column].values[row] = turn->beyond;
+    for (const std::size_t c : measured) further_on(c, *turn);
+    for (; turn != turns.rend() && turn->row == row; ++turn) further_on(turn->column, *turn);
     ++data.rows;
   }
   std::size_t further = 0;

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "server/diagnosis/noise/robust.h"
@@ -95,6 +96,15 @@ bool repeats_exactly(const std::vector<double>& values) {
   // Each place once, but all of them on one lattice.
   const double spacing = lattice_spacing(sorted, kOnLattice * range);
   return spacing > 0 && range < kMostSites * spacing;
+}
+
+std::size_t different_values(const std::vector<double>& values) {
+  std::vector<double> sorted;
+  std::ranges::copy_if(values, std::back_inserter(sorted),
+                       [](double v) { return std::isfinite(v); });
+  std::ranges::sort(sorted);
+  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+  return sorted.size();
 }
 
 bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values) {

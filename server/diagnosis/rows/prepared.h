@@ -33,6 +33,8 @@ class Prepared {
   const Dataset& conditions() const { return clocked_; }
 
   const Dataset& data() const { return data_; }
+  // Where the motors went: what their plays and creeps go with.
+  const Dataset& path() const { return on_path_; }
   // Channels that are read in coarse steps, by symbol.
   const std::map<std::string, CoarseChannel>& coarse() const { return coarse_; }
   // Every row's value of every term. Untimed data count their rows: whoever asks knows which terms

@@ -135,6 +135,67 @@ TEST(APlayThatGrowsAlongAScrew, HasAFormulaOfThePoseWhereTheMotorIsTheOutput) {
   EXPECT_TRUE(formats::fit_formula(data, found.extended_formula, {}));
 }
 
+// Motors' readings of targets that a laser calls exact.
+Dataset motor_read(const Dataset& deviations, double step_um) {
+  Dataset data = deviations;
+  auto& reading = data.columns[1];
+  reading.channel = {"q1", "mm"};
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const double um = 1e3 * data.columns[0].values[row] + reading.values[row];
+    reading.values[row] = 1e-3 * (step_um > 0 ? step_um * std::round(um / step_um) : um);
+  }
+  return data;
+}
+
+TEST(TargetsReadFromEitherSide, AreSeenInTheNominalPoseWhereTheMotorIsTheOutput) {
+  for (const double step_um : {0.0, 1.0}) {
+    const auto found = diagnosed(motor_read(iso_230_2("x", {.play_um = 2}, 9), step_um), "q1 ~ x");
+    ASSERT_THAT(names_found(found), ElementsAre("backlash q1")) << step_um;
+    EXPECT_NEAR(found.findings[0].parameters[0].value, 2000, 250) << step_um;  // nm
+    EXPECT_THAT(found.warnings, Contains(HasSubstr("# overruns: yes"))) << step_um;
+  }
+}
+
+// An expansion that the simulation lacks is a hundred times the noise and moves from visit to
+// visit.
+TEST(TargetsReadFromEitherSide, AreSeenBesideAnExpansionThatIsNotSimulated) {
+  const auto found = diagnosed(iso_230_2("x", {.play_um = 2, .ppm_per_k = 8}, 10), "ex ~ x");
+  EXPECT_THAT(names_found(found),
+              ::testing::UnorderedElementsAre("backlash x", "thermal_expansion t01"));
+}
+
+// A display of 1 um repeats its values, in more of them than there are targets.
+TEST(AMotorReadInCoarseSteps, IsNoPlaceThatWasCommanded) {
+  for (std::uint64_t seed = 11; seed < 14; ++seed)
+    for (const double step_um : {0.5, 1.0})
+      EXPECT_THAT(names_found(diagnosed(motor_read(iso_230_2("x", {}, seed), step_um), "q1 ~ x")),
+                  ElementsAre())
+          << seed << ' ' << step_um;
+}
+
+// "y ~ x": how far a carriage strays from its line is no coordinate, and explains itself.
+TEST(Straightness, IsNoCoordinateOfTheMachine) {
+  const auto strays = [](const Hidden& hidden) {
+    Dataset data = iso_230_2("x", hidden, 15);
+    data.columns[1].channel = {"y", "um"};
+    return data;
+  };
+  EXPECT_THAT(names_found(diagnosed(strays({}), "y ~ x")), ElementsAre());
+  EXPECT_THAT(names_found(diagnosed(strays({.bend_um = 1.5}), "y ~ x")),
+              ElementsAre("geometry_order x"));
+  Dataset scattered = strays({});
+  std::mt19937_64 random(16);
+  std::normal_distribution<double> normal;
+  for (std::size_t row = 0; row < scattered.rows; ++row) {
+    double& at = scattered.columns[0].values[row];
+    at = std::round(std::uniform_real_distribution(0.0, 8e5)(random)) / 1e3;
+    scattered.columns[1].values[row] = 0.012 * at + 0.35 * normal(random);
+  }
+  const auto found = diagnosed(scattered, "y ~ x");
+  EXPECT_THAT(names_found(found), ElementsAre());
+  EXPECT_EQ(found.verdict, Verdict::adequate);
+}
+
 // Read twice where it turns, without an overrun: the second reading is on the same side.
 TEST(TargetsReadFromEitherSide, AreOnTheSideThatTheReadingsShow) {
   Dataset data = iso_230_2("x", {}, 6);
