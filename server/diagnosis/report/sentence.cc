@@ -133,6 +133,9 @@ std::string what(const Finding& finding) {
       {"force_position_coupling", "how far the robot gives way depends on where it is"},
       {"backlash", "% has play: it depends on the side it came from"},
       {"backlash joint", "% has play: gravity's torque chooses the flank"},
+      {"backlash joint by motion",
+       "% has play: it depends on the side it came from, which no robot file says; reach its "
+       "targets from one side"},
       {"joint_compliance", "% sags under gravity"},
       {"gear_error", "% turns unevenly: an eccentric wheel or encoder"},
       {"joint_offset_drift", "the zero of % moves with the temperature"},
@@ -149,8 +152,11 @@ std::string what(const Finding& finding) {
       {"probe_hysteresis",
        "% is read on one of two sides, and no channel tells on which: dry friction or play in the "
        "instrument that reads it"}};
-  const auto found = words.find(
-      finding.cause == "backlash" && of.starts_with("joint") ? "backlash joint" : finding.cause);
+  std::string about = finding.cause;
+  if (about == "backlash" && of.starts_with("joint")) about += " joint";
+  for (const auto& parameter : finding.parameters)
+    if (parameter.name == "width_by_motion_arcsec") about += " by motion";
+  const auto found = words.find(about);
   std::string text = found == words.end() ? finding.cause + " of %" : found->second;
   if (finding.cause == "instrument_drift" && !finding.terms.empty() &&
       finding.terms.back().factors.size() > 1)

@@ -33,6 +33,18 @@ double range_of(const Eigen::VectorXd& values, const std::vector<std::size_t>& r
   return high - low;
 }
 
+// The reading less where a play of kPlay_arcsec lets the joint be, in widths: from -1/2 to 1/2.
+Eigen::VectorXd lag_of_play(const Eigen::VectorXd& angle_rad) {
+  constexpr double kWidth = kPlay_arcsec * kRadPerArcsec;
+  Eigen::VectorXd lag(angle_rad.size());
+  double joint = angle_rad.size() > 0 ? angle_rad[0] : 0;
+  for (Index row = 0; row < angle_rad.size(); ++row) {
+    joint = std::clamp(joint, angle_rad[row] - kWidth / 2, angle_rad[row] + kWidth / 2);
+    lag[row] = (angle_rad[row] - joint) / kWidth;
+  }
+  return lag;
+}
+
 std::string name_of_joint(std::size_t joint) { return "joint" + std::to_string(joint + 1); }
 
 class Builder {
@@ -73,6 +85,22 @@ class Builder {
       ArmCause play{.id = "backlash", .subject = name_of_joint(joint), .joint = joint};
       play.turns_rad = kRadPerArcsec * side;
       play.driver = torques.col(j);
+      play.typical = kPlay_arcsec;
+      play.range = kRangeOfPlay;
+      play.one_signed = true;
+      result_.causes.push_back(std::move(play));
+    }
+  }
+
+  // Where gravity hardly loads a joint, friction leaves it on the flank that drove it last.
+  void add_plays_by_motion() {
+    for (Index j = 0; j < angles_rad_.cols(); ++j) {
+      const auto joint = static_cast<std::size_t>(j);
+      ArmCause play{
+          .id = "backlash", .subject = name_of_joint(joint), .joint = joint, .by_motion = true};
+      play.driver = lag_of_play(angles_rad_.col(j));
+      if (range_of(play.driver, rows_) < 1) continue;
+      play.turns_rad = -kRadPerArcsec * play.driver;
       play.typical = kPlay_arcsec;
       play.range = kRangeOfPlay;
       play.one_signed = true;
@@ -172,6 +200,7 @@ ArmCatalogue arm_causes(const Dataset& dataset, const std::vector<std::size_t>& 
   }
   Builder builder(dataset, rows, arm, std::move(angles));
   builder.add_gravity();
+  builder.add_plays_by_motion();
   builder.add_gears();
   builder.add_drifts();
   return builder.take();
@@ -183,7 +212,7 @@ void add_to(KinematicsDescription& arm, const ArmCause& cause, const Eigen::Vect
     (kinematics::has_masses(arm) ? errors.sag_urad_per_newton_m : errors.sag_urad_per_m) +=
         amplitude[0];
   } else if (cause.id == "backlash") {
-    errors.play_arcsec += amplitude[0];
+    if (!cause.by_motion) errors.play_arcsec += amplitude[0];
   } else if (cause.id == "gear_error") {
     (cause.harmonic == 1 ? errors.gear_cos1_arcsec : errors.gear_cos2_arcsec) += amplitude[0];
     (cause.harmonic == 1 ? errors.gear_sin1_arcsec : errors.gear_sin2_arcsec) += amplitude[1];

@@ -31,6 +31,7 @@ struct ArmCause {
   double of_noise = 0;      // typical is at least so many sd of the rows, at the largest turn
   bool one_signed = false;  // a negative amplitude is not this cause
   bool certain = false;     // acts on every arm: only its size is asked
+  bool by_motion = false;   // of a play: the way that the joint came chooses the flank
 };
 
 struct ArmCatalogue {
@@ -44,7 +45,8 @@ ArmCatalogue arm_causes(const Dataset& dataset, const std::vector<std::size_t>& 
                         const KinematicsDescription& arm);
 
 // The description with these numbers added to a joint's errors. amplitude: one per column of
-// turns_rad.
+// turns_rad. Nothing is added for a play by motion: a robot file says nothing of the way that a
+// joint came.
 void add_to(KinematicsDescription& arm, const ArmCause& cause, const Eigen::VectorXd& amplitude);
 
 }  // namespace driftwise::diagnosis

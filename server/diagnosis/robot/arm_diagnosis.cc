@@ -57,7 +57,7 @@ Eigen::MatrixXd scaled_angles(const Eigen::MatrixXd& inputs, std::size_t joints,
 }
 
 std::string name_of_cause(const ArmCause& cause) {
-  return cause.id + " " + cause.subject +
+  return cause.id + " " + cause.subject + (cause.by_motion ? " by motion" : "") +
          (cause.harmonic > 0 ? " harmonic " + std::to_string(cause.harmonic) : "");
 }
 
@@ -70,7 +70,7 @@ void add_parameters(const ArmCause& cause, const NamedArmCause& named, bool mass
   if (cause.id == "joint_compliance") {
     linear(masses ? "sag_urad_per_newton_m" : "sag_urad_per_m");
   } else if (cause.id == "backlash") {
-    linear("width_arcsec");
+    linear(cause.by_motion ? "width_by_motion_arcsec" : "width_arcsec");
   } else if (cause.id == "joint_offset_drift") {
     linear("drift_arcsec_per_k");
   } else {
@@ -171,6 +171,18 @@ class Reporter {
   Index turns_ = 0;
 };
 
+// Angles of the cause's joint with its turns in.
+void turn_joint(const ArmCause& cause, const Eigen::VectorXd& amplitude,
+                const KinematicsDescription& arm, Dataset& data) {
+  const Channel& motor = arm.links[cause.joint].motor;
+  const double per_rad = motor.unit == "deg" ? 1 / kRadPerDeg : 1;
+  const Eigen::VectorXd turns = per_rad * (cause.turns_rad * amplitude);
+  for (auto& column : data.columns)
+    if (column.channel.symbol == motor.symbol)
+      for (std::size_t row = 0; row < data.rows; ++row)
+        column.values[row] += turns[static_cast<Index>(row)];
+}
+
 std::string refusal(const RefusedArmCause& refused, const ArmCause& cause) {
   const auto& gate = refused.gate;
   char text[320];
@@ -221,6 +233,9 @@ Result<ArmDiagnosis> diagnose_arm(const Dataset& dataset, const Problem& problem
   for (const auto& one : search.named()) {
     result.findings.push_back(reporter.finding(one, masses));
     add_to(result.robot, causes[one.cause], one.amplitude);
+    if (!causes[one.cause].by_motion) continue;
+    if (!result.behind_plays) result.behind_plays = dataset;
+    turn_joint(causes[one.cause], one.amplitude, result.robot, *result.behind_plays);
   }
   add_hidden(search, causes, masses, result.not_testable);
   for (const auto& one : search.refused())

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct ArmDiagnosis {
   std::vector<NotTestable> not_testable{};
   std::vector<std::string> warnings{};  // causes that the gate refused
   KinematicsDescription robot;          // the drawing with the joints' errors
+  // With the joints' angles where their plays by motion let them be, as no robot file has it;
+  // nothing where there are none.
+  std::optional<Dataset> behind_plays{};
 };
 
 // mechanism: a serial arm. Parameters otherwise as for diagnose_geometry(); its errors.

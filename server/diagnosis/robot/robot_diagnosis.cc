@@ -122,12 +122,13 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
     DRIFTWISE_TRY(auto made, kinematics::make_mechanism(arm.robot));
     with_errors = std::move(made);
   }
+  const Dataset& moved = arm.behind_plays ? *arm.behind_plays : data;
   DRIFTWISE_TRY(
       auto geometry,
-      diagnose_geometry(data, problem, with_errors, further.baseline.terms, options.alpha, [&] {
+      diagnose_geometry(moved, problem, with_errors, further.baseline.terms, options.alpha, [&] {
         return tell((kArmDone + kGeometryDone) / 2, "comparing the numbers of the drawing");
       }));
-  auto extended = identification::predict(data, geometry.extended);
+  auto extended = identification::predict(moved, geometry.extended);
   DRIFTWISE_RETURN_IF_ERROR(nominal);
   DRIFTWISE_RETURN_IF_ERROR(extended);
   further.simulated = std::move(*extended);

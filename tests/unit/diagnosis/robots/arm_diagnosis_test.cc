@@ -33,6 +33,7 @@ struct HiddenInJoints {
   double gear_twice_arcsec = 0;              // joint 1, twice per turn
   double elbow_gear_arcsec = 0;              // joint 3, twice per turn
   double play_arcsec = 0;                    // joint 3
+  double turn_play_arcsec = 0;               // joint 1: the side that it came from
   double drift_arcsec_per_k = 0;             // joint 2, with t03
   double upper_arm_mm = 0;                   // longer than drawn
 };
@@ -85,14 +86,17 @@ Dataset campaign(const HiddenInJoints& hidden, std::uint64_t seed, double reach 
   for (const char* name :
        {"q1_deg", "q2_deg", "q3_deg", "q4_deg", "t03_degC", "x_mm", "y_mm", "z_mm"})
     data.columns.push_back({*parse_channel(name), {}});
-  double slow = 0;
+  double slow = 0, turned_from = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     const double time_s = 12.0 * static_cast<double>(i);
     const double t03 = 21 + 1.8 * std::sin(time_s / 700) + 0.003 * normal(random);
     const Angles q{reach * turn(random), reach * lift(random), reach * bend(random),
                    reach * hand(random)};
     slow = 0.9 * slow + 0.006 * normal(random);
-    const auto at = point(q, hidden, t03);
+    Angles behind_play = q;
+    behind_play.turn -= hidden.turn_play_arcsec / 2 * kArcsec * (q.turn > turned_from ? 1 : -1);
+    turned_from = q.turn;
+    const auto at = point(behind_play, hidden, t03);
     const double given[] = {q.turn, q.shoulder, q.elbow, q.hand};
     data.time_s.push_back(time_s);
     for (std::size_t k = 0; k < 4; ++k)
@@ -201,6 +205,21 @@ TEST(ArmDiagnosis, FindsPlayByTheSignOfGravitysTorque) {
   EXPECT_EQ(names(found.diagnosis), Names{"backlash joint3"});
   const auto& width = number_of(found.diagnosis, "backlash", "width_arcsec");
   EXPECT_NEAR(width.value, 45, 3 * (width.ci90->high - width.value));
+}
+
+// The column turns about the vertical: gravity chooses no flank.
+TEST(ArmDiagnosis, FindsPlayByTheSideThatTheJointCameFrom) {
+  const auto found = diagnosed({.turn_play_arcsec = 45, .upper_arm_mm = 0.4}, 34);
+  EXPECT_EQ(names(found.diagnosis), (Names{"backlash joint1", "geometry_parameter link2.a"}));
+  const auto& width = number_of(found.diagnosis, "backlash", "width_by_motion_arcsec");
+  EXPECT_NEAR(width.value, 45, 3 * (width.ci90->high - width.value));
+  EXPECT_EQ(found.robot.links[0].errors, JointErrors{});
+  EXPECT_NEAR(found.robot.links[1].a_mm, kUpper + 0.4, 0.03);
+  // What no robot file can have is in the figures all the same.
+  for (const std::size_t o : {0, 1}) {
+    const auto& output = found.diagnosis.outputs[o];
+    EXPECT_LT(output.u90_calibration_after, 1.645 * 1.25 * 24e3) << output.output;
+  }
 }
 
 TEST(ArmDiagnosis, FindsAJointsZeroThatMovesWithTheTemperature) {
