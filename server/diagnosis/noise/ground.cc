@@ -75,6 +75,10 @@ Eigen::MatrixXd outputs_alike(const Eigen::MatrixXd& correlation, double n) {
   return result;
 }
 
+double price_of(const NoiseShape& shape, Eigen::Index outputs) {
+  return shape.slow_ratio > 0 ? kCorrelatedNoise / static_cast<double>(outputs) : 0;
+}
+
 SharedShape shared_shape(const Eigen::MatrixXd& criterion) {
   SharedShape best{INFINITY, {}};
   for (Eigen::Index common = 0; common < criterion.rows(); ++common) {
@@ -133,9 +137,13 @@ Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
       criterion_(row, o) = spaces_.back().criterion(left_.back().col(o).squaredNorm());
   }
   criterion_.conservativeResize(static_cast<Eigen::Index>(spaces_.size()), Eigen::NoChange);
-  auto shared = shared_shape(criterion_);
+  best_ = shared_shape(criterion_).shape;
+  priced_ = criterion_;
+  for (Eigen::Index s = 0; s < priced_.rows(); ++s)
+    priced_.row(s).array() += price_of(spaces_[static_cast<std::size_t>(s)].shape(), outputs());
+  auto shared = shared_shape(priced_);
   total_ = shared.total;
-  best_ = std::move(shared.shape);
+  best_priced_ = std::move(shared.shape);
   if (!spaces_.empty())
     alike_ = outputs_alike(correlation(), static_cast<double>(spaces_.front().dof()));
 }
@@ -172,7 +180,7 @@ Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& 
   const auto count = static_cast<std::size_t>(outputs());
   result.of_output.assign(count, 0);
   result.contribution.resize(count);
-  Eigen::MatrixXd with = criterion_;
+  Eigen::MatrixXd with = priced_;
   std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
     const Eigen::MatrixXd basis = beyond(spaces_[s], columns);
@@ -183,7 +191,8 @@ Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& 
       const Eigen::VectorXd along = basis.transpose() * left_[s].col(o);
       const double rss = left_[s].col(o).squaredNorm();
       with(static_cast<Eigen::Index>(s), o) =
-          spaces_[s].criterion(std::max(rss - along.squaredNorm(), kLeast * rss));
+          spaces_[s].criterion(std::max(rss - along.squaredNorm(), kLeast * rss)) +
+          price_of(spaces_[s].shape(), outputs());
       contribution[s][at] = basis * along;
     }
   }
@@ -193,8 +202,8 @@ Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& 
     const auto at = static_cast<std::size_t>(o);
     if (on[at] == 0) continue;
     const std::size_t s = shared.shape[at];
-    result.of_output[at] =
-        criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(static_cast<Eigen::Index>(s), o);
+    result.of_output[at] = priced_(static_cast<Eigen::Index>(best_priced_[at]), o) -
+                           with(static_cast<Eigen::Index>(s), o);
     result.contribution[at] = std::move(contribution[s][at]);
   }
   const Eigen::Map<const Eigen::VectorXd> each(result.of_output.data(), outputs());
@@ -208,7 +217,7 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   result.of_output.assign(count, 0);
   result.share.assign(count, 0);
   result.contribution.resize(count);
-  Eigen::MatrixXd with = criterion_, with_free = criterion_;
+  Eigen::MatrixXd with = priced_, with_free = priced_;
   Eigen::MatrixXd share = Eigen::MatrixXd::Zero(with.rows(), with.cols());
   std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
   const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
@@ -224,7 +233,8 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
       const Eigen::VectorXd along = white.transpose() * left;
       const Eigen::VectorXd width = prior.col(o) / white_sd(o);
       const Integrated wide(white, kWidths * width);
-      with_free(row, o) = spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss));
+      with_free(row, o) = spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss)) +
+                          price_of(spaces_[s].shape(), outputs());
       ByShare two_ln{};
       double highest = -INFINITY;
       for (std::size_t k = 0; k < kPriorShares.size(); ++k) {
@@ -248,10 +258,10 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
     if ((prior.col(o).array() <= 0).all()) continue;
     const auto at = static_cast<std::size_t>(o);
     const auto s = static_cast<Eigen::Index>(shared.shape[at]);
-    result.of_output[at] = criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(s, o);
+    result.of_output[at] = priced_(static_cast<Eigen::Index>(best_priced_[at]), o) - with(s, o);
     result.share[at] = share(s, o);
     result.contribution[at] = std::move(contribution[shared.shape[at]][at]);
-    of_free[o] = criterion_(static_cast<Eigen::Index>(best_[at]), o) -
+    of_free[o] = priced_(static_cast<Eigen::Index>(best_priced_[at]), o) -
                  with_free(static_cast<Eigen::Index>(shared_free.shape[at]), o);
   }
   const Eigen::Map<const Eigen::VectorXd> each(result.of_output.data(), outputs());

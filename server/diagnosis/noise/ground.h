@@ -51,6 +51,12 @@ Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns);
 // that can be told apart, 2 ln(10 / 0.003). Cheaper, it takes up any slow effect on one output.
 inline constexpr double kOwnShape = 16.2;
 
+// Price in 2 ln L of correlated noise beside white noise, at even odds: it is chosen among ten
+// shapes that can be told apart, and the likeliest of them stands for their mean, 2 ln 10. Without
+// it a drift or a jump in white noise was as good as one slow noise among ten that imitate it.
+inline constexpr double kCorrelatedNoise = 4.6;
+double price_of(const NoiseShape& shape, Eigen::Index outputs);  // for each of them
+
 // Shapes of the outputs' noise, chosen together.
 struct SharedShape {
   double total = 0;                // criterion of all outputs, with the cost of own shapes
@@ -123,8 +129,10 @@ class Ground {
   std::vector<WhitenedSpace> spaces_;
   std::vector<Eigen::MatrixXd> left_;  // per shape: of the series
   Eigen::MatrixXd criterion_;          // shapes x outputs
-  double total_ = 0;                   // criterion of all outputs together
-  std::vector<std::size_t> best_;
+  std::vector<std::size_t> best_;      // by it
+  Eigen::MatrixXd priced_;             // with the price of correlated noise: what gains go by
+  std::vector<std::size_t> best_priced_;
+  double total_ = 0;  // priced, of all outputs together
   Eigen::MatrixXd alike_;
 };
 

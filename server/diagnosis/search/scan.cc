@@ -161,7 +161,8 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
       side.left = ground.space(s).left_over(scaled).cast<float>();
       side.rss = side.left.colwise().squaredNorm().transpose().array();
       side.criterion = static_cast<float>(dof) * side.rss.log() +
-                       static_cast<float>(ground.space(s).criterion(1) - best.criterion(1));
+                       static_cast<float>(ground.space(s).criterion(1) - best.criterion(1) +
+                                          price_of(ground.space(s).shape(), ground.outputs()));
       without[o].emplace_back(side.criterion);
     }
   }
