@@ -155,6 +155,7 @@ class Diagnoser {
   // again: after a withdrawal, against the nulls that were simulated before it.
   Result<void> grow(Search& search, Extension& extension, bool& noise_looked_at, bool again,
                     std::optional<TwoSides>& sides) {
+    const bool first_round = !again;
     while (static_cast<int>(extension.named().size()) < options_.max_findings) {
       if (!progress_.further(0.3,
                              "looking for cause " + std::to_string(extension.named().size() + 1)))
@@ -178,8 +179,15 @@ class Diagnoser {
         continue;
       }
       if (look->first) nearest_ = {name_of(causes_[*look->first]), look->p_adjusted};
-      if (noise_looked_at || !faults_.note_noise(extension, look->shapes)) break;
-      noise_looked_at = true;  // and look once more, with every row's own spread
+      if (!noise_looked_at && faults_.note_noise(extension, look->shapes)) {
+        noise_looked_at = true;  // and look once more, with every row's own spread
+        again = false;
+        continue;
+      }
+      if (!first_round || static_cast<int>(extension.named().size()) + 2 > options_.max_findings)
+        break;
+      DRIFTWISE_TRY(const bool two, extension.add_two(*look, options_.alpha));
+      if (!two) break;
       again = false;
     }
     return {};

@@ -249,6 +249,17 @@ void Extension::forbid(std::size_t cause) {
   if (const auto index = index_of(cause)) withdraw(*index);
 }
 
+GateScore Extension::gate_score(const Candidate& candidate, const Ground& ground,
+                                const SoftBase& base) const {
+  std::vector<NoiseShape> noise;
+  std::vector<double> sd;
+  for (std::size_t o = 0; o < candidate.gain.shape.size(); ++o) {
+    noise.push_back(ground.space(candidate.gain.shape[o]).shape());
+    sd.push_back(ground.white_sd_with(candidate.gain, static_cast<Eigen::Index>(o)));
+  }
+  return gate_.judge(base, noise, sd, causes_[candidate.cause], candidate.cause);
+}
+
 Result<bool> Extension::add(const Look& look) {
   shapes_ = look.shapes;
   const Ground here = ground({}, shapes_);
@@ -274,14 +285,8 @@ Result<bool> Extension::add(const Look& look) {
       ruled_out_[candidate.cause] = 1;  // the value came to lie on another
       return false;
     }
-  std::vector<NoiseShape> noise;
-  std::vector<double> sd;
-  for (std::size_t o = 0; o < best.front().gain.shape.size(); ++o) {
-    noise.push_back(here.space(best.front().gain.shape[o]).shape());
-    sd.push_back(here.white_sd_with(best.front().gain, static_cast<Eigen::Index>(o)));
-  }
   const Cause& cause = causes_[best.front().cause];
-  const GateScore score = gate_.judge(learned(), noise, sd, cause, best.front().cause);
+  const GateScore score = gate_score(best.front(), here, learned());
   if (!score.passes()) {
     ruled_out_[best.front().cause] = 1;
     char figures[96];

@@ -75,6 +75,11 @@ class Extension {
   // that is near is plausible, those causes are ruled out instead, and so is one that predicts rows
   // worse that it was not fitted to (entry_gate.h). False: nothing was added. Error: stopped.
   Result<bool> add(const Look& look);
+  // Two causes where a look finds none beyond chance: one of those that are furthest is supposed,
+  // and counts with a second that is beyond chance beside it, where it is so beside the second as
+  // well, both together are beyond what the choice among all pairs gives chance, and either passes
+  // the gate. False: nothing was added.
+  Result<bool> add_two(const Look& look, double alpha);
   // Rules a cause out for good, and takes it back where it is named.
   void forbid(std::size_t cause);
   // Of a row, with what is named in: priors are weighed against it.
@@ -122,6 +127,10 @@ class Extension {
   // Those within reach of the first, and these, refined: what can be named first, then the best.
   std::vector<Candidate> contenders(const Look& look, const Ground& ground,
                                     const std::vector<std::size_t>& present) const;
+  Result<bool> add_beside(std::size_t cause, const Look& look, double alpha);
+  // base: what `ground` stands on.
+  GateScore gate_score(const Candidate& candidate, const Ground& ground,
+                       const SoftBase& base) const;
   Result<Named> made(const Candidate& candidate, double p_adjusted) const;
   std::optional<std::size_t> index_of(std::size_t cause) const;  // among the named
   // Another value of its parameter for one of the named.

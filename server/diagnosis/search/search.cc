@@ -38,7 +38,7 @@ Search::Search(const Timeline& timeline, const Eigen::MatrixXd& series, Bank ban
       bank_(std::move(bank)),
       options_(std::move(options)),
       grid_(noise_grid(timeline)),
-      of_chance_(bank_.entries.size(), 0) {}
+      chance_{std::vector<double>(bank_.entries.size(), 0), {}} {}
 
 // The noise as it looks without any further effect, and as it would with each of those that look
 // best under different guesses of it.
@@ -122,9 +122,10 @@ void Search::choose_first(Look& look) const {
   if (furthest == look.causes.end() || !(furthest->beyond > 0)) return;
   auto first = furthest;
   for (auto one = look.causes.begin(); one != look.causes.end(); ++one)
-    if (tail_.p(one->beyond) <= options_.alpha && one->evidence > first->evidence) first = one;
+    if (chance_.tail.p(one->beyond) <= options_.alpha && one->evidence > first->evidence)
+      first = one;
   look.first = static_cast<std::size_t>(first - look.causes.begin());
-  look.p_adjusted = tail_.p(first->beyond);
+  look.p_adjusted = chance_.tail.p(first->beyond);
 }
 
 std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& allowed) {
@@ -167,12 +168,12 @@ std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& 
       if (allowed[c] == 0) continue;
       std::vector<double> own;
       for (std::size_t k = 0; k < maxima.size(); ++k) own.push_back(best[c][k + 1].evidence);
-      of_chance_[c] = EvidenceTail(own).location();
+      chance_.of_cause[c] = EvidenceTail(own).location();
       for (std::size_t k = 0; k < maxima.size(); ++k)
-        maxima[k] = std::max(maxima[k], own[k] - of_chance_[c]);
+        maxima[k] = std::max(maxima[k], own[k] - chance_.of_cause[c]);
     }
-    tail_ = EvidenceTail(maxima);
-    result.causes = standings(best, of_chance_);
+    result.tail = chance_.tail = EvidenceTail(maxima);
+    result.causes = standings(best, chance_.of_cause);
     choose_first(result);
     if (!result.first) return result;
     if (result.p_adjusted > kClearlyNothing || result.p_adjusted < kClearlyThere * options_.alpha)
@@ -192,7 +193,8 @@ std::optional<Look> Search::compare(const SoftBase& base, const std::vector<char
   for (Eigen::Index o = 0; o < series_.cols(); ++o) series.emplace_back(series_.col(o));
   const auto best = scan(bank_, ground, series, allowed, {options_.executor, options_.tick});
   if (best.empty()) return std::nullopt;
-  result.causes = standings(best, of_chance_);
+  result.causes = standings(best, chance_.of_cause);
+  result.tail = chance_.tail;
   choose_first(result);
   return result;
 }

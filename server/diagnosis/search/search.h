@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/diagnosis/noise/ground.h"
@@ -33,6 +34,7 @@ struct Look {
   double p_adjusted = 1;  // of it, for the search over all of them
   int nulls = 0;
   std::vector<NoiseShape> shapes;  // that were in question
+  EvidenceTail tail;               // of chance, for what is beyond it
 };
 
 struct SearchOptions {
@@ -57,6 +59,14 @@ class Search {
 
   const Bank& bank() const { return bank_; }
 
+  // Of the last look(); compare() goes by it.
+  struct Chance {
+    std::vector<double> of_cause;  // location of the nulls' evidence
+    EvidenceTail tail;
+  };
+  const Chance& chance() const { return chance_; }
+  void set_chance(Chance chance) { chance_ = std::move(chance); }
+
  private:
   std::vector<NoiseShape> shapes_in_question(const SoftBase& base, const std::vector<char>& allowed,
                                              bool& stopped) const;
@@ -66,8 +76,7 @@ class Search {
   Bank bank_;
   SearchOptions options_;
   std::vector<NoiseShape> grid_;
-  std::vector<double> of_chance_;  // per cause: location of the nulls' evidence, last look
-  EvidenceTail tail_;              // of the last look
+  Chance chance_;
 };
 
 }  // namespace driftwise::diagnosis
