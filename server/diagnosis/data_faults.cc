@@ -13,6 +13,13 @@
 namespace driftwise::diagnosis {
 namespace {
 
+// Of 2 ln L, less the choice among the instants.
+double gain_of(const std::vector<NoiseChange>& changes, Eigen::Index instants) {
+  double sum = changes.empty() ? 0 : -2 * std::log(static_cast<double>(instants));
+  for (const auto& change : changes) sum += change.gain;
+  return sum;
+}
+
 constexpr double kNoWeight = 1e4;  // spread of a wrong row over the others'
 
 }  // namespace
@@ -98,9 +105,7 @@ bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseS
     return any = true;
   };
   auto changes = noise_changes(extension.ground({}, shapes));
-  double at_an_instant = 0;
-  for (const auto& change : changes) at_an_instant += change.gain;
-  const bool place_first = weighed_by_place(at_an_instant);
+  const bool place_first = weighed_by_place(gain_of(changes, problem_.timeline.rows()));
   if (place_first) changes = noise_changes(extension.ground({}, shapes));
   if (!changes.empty() && !is_structure(changes, extension.learned())) {
     note_changes(changes);
@@ -123,7 +128,7 @@ void DataFaults::note_changes(const std::vector<NoiseChange>& changes) {
                     .subject = output.channel.symbol,
                     .where = "data",
                     .applies_to = effects::AppliesTo::dataset,
-                    .p_adjusted = std::max(std::exp(-change.gain / 2), kSmallestP),
+                    .p_adjusted = std::max(std::exp(-change.together / 2), kSmallestP),
                     .log_likelihood_ratio = change.gain / 2};
     finding.parameters.push_back({"ratio", change.ratio, {}, {}});
     finding.parameters.push_back({"time_s", problem_.timeline.time_s[change.block], {}, {}});
@@ -153,8 +158,7 @@ bool DataFaults::weighed_first(const Extension& extension, const Look& look) {
   const Ground ground = extension.ground({}, look.shapes);
   const double cause =
       look.first && look.p_adjusted <= options_.alpha ? look.causes[*look.first].evidence : 0;
-  double at_an_instant = 0;
-  for (const auto& change : noise_changes(ground)) at_an_instant += change.gain;
+  const double at_an_instant = gain_of(noise_changes(ground), problem_.timeline.rows());
   const auto over_time = time_weighed_ ? std::nullopt : spread_over_time(problem_, ground);
   const auto over_places = place_weighed_ ? std::nullopt : spread_over_places(problem_, ground);
   const auto more = [](const std::optional<Spread>& one, double than) {

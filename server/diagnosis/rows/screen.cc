@@ -23,8 +23,11 @@ constexpr std::size_t kNearby = 40;  // rows to either side in time that tell th
 constexpr std::size_t kBeside = 3;   // rows to either side in position
 constexpr double kOwn = 0.5;         // of a wrong row, beyond what those beside it share
 constexpr double kSurelyGross = 0.9;  // posterior
-constexpr double kNoiseChangeGain = 30;
-constexpr double kMostSquare = 9;  // of a square, in units of its usual size
+// A spread that grows little by little with the hour does so in all outputs, and is no change at an
+// instant: a third of the gain again for each of them, where chance alone would take 3.4.
+constexpr double kNoiseChangeGain = 30, kOfFurtherOutput = 10;
+constexpr double kShownOfOutput = 6;  // of a change that others have
+constexpr double kMostSquare = 9;     // of a square, in units of its usual size
 constexpr Eigen::Index kFewestEachSide = 25;
 
 // The spread of the values, and nowhere less than that of those nearby: gusts are no wrong rows.
@@ -364,39 +367,90 @@ double sides_gain(Eigen::Index n1, double sum1, Eigen::Index n2, double sum2) {
 
 }  // namespace
 
+namespace {
+
+// What one output leaves, whitened.
+struct Spreading {
+  std::size_t output;
+  Eigen::VectorXd left, clipped;  // in units of its spread; squares
+};
+
+// 2 ln L of two spreads, for every number of rows before the change: 0 where a side has too few.
+Eigen::VectorXd gains_of_sides(const Spreading& one) {
+  const Eigen::Index n = one.clipped.size();
+  Eigen::VectorXd gains = Eigen::VectorXd::Zero(n);
+  const double whole = one.clipped.sum();
+  double before = 0;
+  for (Eigen::Index k = 1; k + kFewestEachSide <= n; ++k) {
+    before += one.clipped[k - 1];
+    if (k >= kFewestEachSide) gains[k] = sides_gain(k, before, n - k, whole - before);
+  }
+  return gains;
+}
+
+NoiseChange change_at(const Spreading& one, Eigen::Index at) {
+  const Eigen::Index n = one.left.size();
+  // Squares clipped by the common spread found the instant; by either side's own they weigh it.
+  const Eigen::VectorXd first = clipped_squares(one.left.head(at)),
+                        second = clipped_squares(one.left.tail(n - at));
+  const double v1 = first.mean(), v2 = second.mean();
+  // Scatter of the squares about either side's own spread: 2 where the sides are normal. About
+  // the common spread two sides would count as tails.
+  const double scatter =
+      ((first / v1).array() - 1).square().sum() + ((second / v2).array() - 1).square().sum();
+  const double gain = sides_gain(at, first.sum(), n - at, second.sum()) /
+                      std::max(scatter / static_cast<double>(n) / 2, 1.0);
+  return {one.output, at, std::sqrt(v2 / v1), gain, gain};
+}
+
+// Of all outputs at the instant that suits them best together; none where chance does as well.
+std::vector<NoiseChange> changes_together(const std::vector<Spreading>& outputs,
+                                          const Ground& ground) {
+  if (outputs.size() < 2) return {};
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(outputs.front().clipped.size());
+  for (const auto& one : outputs) sum += gains_of_sides(one);
+  Eigen::Index at = 0;
+  if (!(sum.maxCoeff(&at) > 0)) return {};
+  std::vector<NoiseChange> changes;
+  Eigen::VectorXd gains = Eigen::VectorXd::Zero(ground.outputs());
+  for (const auto& one : outputs) {
+    changes.push_back(change_at(one, at));
+    gains[static_cast<Eigen::Index>(one.output)] = std::max(changes.back().gain, 0.0);
+  }
+  const double together = gains.sum() / counted_times(gains, ground.alike());
+  const double rare = kNoiseChangeGain + kOfFurtherOutput * static_cast<double>(gains.size() - 1);
+  if (together < rare) return {};
+  for (auto& change : changes) change.together = together;
+  std::erase_if(changes, [](const NoiseChange& one) { return one.gain < kShownOfOutput; });
+  return changes;
+}
+
+double sum_of_gains(const std::vector<NoiseChange>& changes) {
+  double sum = 0;
+  for (const auto& one : changes) sum += one.gain;
+  return sum;
+}
+
+}  // namespace
+
 std::vector<NoiseChange> noise_changes(const Ground& ground) {
+  std::vector<Spreading> outputs;
   std::vector<NoiseChange> found;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
-    const Eigen::VectorXd left =
-        ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
-    const Eigen::Index n = left.size();
+    Eigen::VectorXd left = ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
     const double sd = robust_sd({left.data(), left.data() + left.size()});
     if (!(sd > 0)) continue;
-    // A heavy tail is no change: squares are clipped, by the common spread to find the instant and
-    // by either side's own to weigh it.
-    const Eigen::VectorXd clipped = (left / sd).cwiseAbs2().cwiseMin(kMostSquare);
+    // A heavy tail is no change.
+    Eigen::VectorXd clipped = (left / sd).cwiseAbs2().cwiseMin(kMostSquare);
+    outputs.push_back({static_cast<std::size_t>(o), std::move(left), std::move(clipped)});
     Eigen::Index at = 0;
-    double before = 0, most = 0;
-    for (Eigen::Index k = 1; k + kFewestEachSide <= n; ++k) {
-      before += clipped[k - 1];
-      if (k < kFewestEachSide) continue;
-      const double gain = sides_gain(k, before, n - k, clipped.sum() - before);
-      if (gain > most) most = gain, at = k;
-    }
-    if (at == 0) continue;
-    const Eigen::VectorXd first = clipped_squares(left.head(at)),
-                          second = clipped_squares(left.tail(n - at));
-    const double v1 = first.mean(), v2 = second.mean();
-    // Scatter of the squares about either side's own spread: 2 where the sides are normal. About
-    // the common spread two sides would count as tails.
-    const double scatter =
-        ((first / v1).array() - 1).square().sum() + ((second / v2).array() - 1).square().sum();
-    const NoiseChange best{static_cast<std::size_t>(o), at, std::sqrt(v2 / v1),
-                           sides_gain(at, first.sum(), n - at, second.sum()) /
-                               std::max(scatter / static_cast<double>(n) / 2, 1.0)};
+    if (!(gains_of_sides(outputs.back()).maxCoeff(&at) > 0)) continue;
+    const auto best = change_at(outputs.back(), at);
     if (best.gain > kNoiseChangeGain) found.push_back(best);
   }
-  return found;
+  auto together = changes_together(outputs, ground);
+  const bool more = together.size() > found.size() && sum_of_gains(together) > sum_of_gains(found);
+  return more ? together : found;
 }
 
 }  // namespace driftwise::diagnosis

@@ -87,10 +87,13 @@ struct NoiseChange {
   Eigen::Index block = 0;  // from here on
   double ratio = 1;        // of standard deviations, after over before
   double gain = 0;         // of 2 ln L
+  double together = 0;     // of all outputs whose spread changes there
 };
 
-// A change of spread at one instant in what is left, whitened. Nothing below a gain of 30: the
-// largest over all instants reaches that by chance less than once in ten thousand.
+// A change of spread at one instant in what is left, whitened: of each output for itself, or of all
+// at one instant where that explains more. Nothing below a gain of 30, and 10 for each further
+// output of a sum: the largest over all instants reaches 30 by chance less than once in ten
+// thousand.
 std::vector<NoiseChange> noise_changes(const Ground& ground);
 
 }  // namespace driftwise::diagnosis

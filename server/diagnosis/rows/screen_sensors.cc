@@ -15,7 +15,9 @@ namespace {
 
 constexpr std::size_t kFewestRows = 40;
 
-std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
+// Rows of the longest run of one value, where it is a tenth of all and so many times longer than
+// any other.
+std::vector<std::size_t> frozen_rows(const std::vector<double>& values, double times) {
   std::vector<std::size_t> lengths;
   std::size_t longest = 0, begin = 0, second = 0;
   for (std::size_t i = 0; i < values.size();) {
@@ -31,7 +33,9 @@ std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
     i = end;
   }
   std::vector<std::size_t> rows;
-  if (longest < values.size() / 10 || longest < 10 * second || longest == values.size())
+  if (longest < values.size() / 10 ||
+      static_cast<double>(longest) < times * static_cast<double>(second) ||
+      longest == values.size())
     return rows;
   for (std::size_t i = begin + 1; i < begin + longest; ++i) rows.push_back(i);
   return rows;
@@ -49,6 +53,9 @@ double chance_frozen(const std::vector<double>& values, std::size_t length) {
 }
 
 constexpr double kMoved = 2;  // steps of a display, from which it cannot have stood still
+// Of the longest run of one value over the next one: by itself, and where the part has moved
+// meanwhile.
+constexpr double kTimesLonger = 10, kTimesLongerMoved = 2.5;
 
 // Has the part moved while this display stood still in `frozen`? It has where the display comes
 // back elsewhere, or where the other thermometers foretell it from the rows around.
@@ -98,10 +105,21 @@ double largest_change(const std::vector<double>& values) {
   return largest;
 }
 
+// The same of rows that follow one another.
+double largest_change_from_row_to_row(const std::vector<double>& values) {
+  double largest = 0;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (const double change = std::abs(values[i] - values[i - 1]); std::isfinite(change))
+      largest = std::max(largest, change);
+  return largest;
+}
+
 // A display of tenths stands still for hours where nothing warms, and trembles at the edge between
 // two of its values.
 std::vector<std::size_t> frozen_rows(const Dataset& dataset, const DatasetColumn& column) {
-  auto rows = frozen_rows(column.values);
+  auto rows = frozen_rows(column.values, kTimesLonger);
+  const bool surely = !rows.empty();
+  if (!surely) rows = frozen_rows(column.values, kTimesLongerMoved);
   if (rows.empty()) return rows;
   std::vector<double> around = column.values;
   for (const std::size_t row : rows) around[row] = kMissing;
@@ -110,6 +128,7 @@ std::vector<std::size_t> frozen_rows(const Dataset& dataset, const DatasetColumn
     const double of_all = display_step(column.values, kWidestDisplay_K);
     if (largest_change(around) < kMoved * of_all) step = of_all;
   }
+  if (!surely) step = std::max(step, largest_change_from_row_to_row(around));
   if (step > 0 && !moved_meanwhile(dataset, column, step, rows)) rows.clear();
   return rows;
 }
