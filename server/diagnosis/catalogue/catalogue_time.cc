@@ -78,6 +78,9 @@ void add_time(CatalogueBuilder& builder) {
     return std::vector<Term>{call_term("sin_t", {}, {{period, "s"}}),
                              call_term("cos_t", {}, {{period, "s"}})};
   });
+  // Air conditioning, the day, people: no scale of time is likelier than another, so that every
+  // octave of periods has the same odds. The cells lie evenly in 1 / period.
+  for (auto& cell : wave.cells) cell.weight = cell.parameter;
   builder.take_cause(std::move(wave));
 }
 
