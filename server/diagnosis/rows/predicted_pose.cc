@@ -3,8 +3,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
+#include <set>
 
 #include "server/diagnosis/noise/robust.h"
 #include "server/diagnosis/rows/aliases.h"
@@ -98,13 +98,16 @@ bool repeats_exactly(const std::vector<double>& values) {
   return spacing > 0 && range < kMostSites * spacing;
 }
 
-std::size_t different_values(const std::vector<double>& values) {
-  std::vector<double> sorted;
-  std::ranges::copy_if(values, std::back_inserter(sorted),
-                       [](double v) { return std::isfinite(v); });
-  std::ranges::sort(sorted);
-  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
-  return sorted.size();
+std::size_t different_places(const std::vector<const std::vector<double>*>& coordinates) {
+  if (coordinates.empty()) return 0;
+  std::set<std::vector<double>> places;
+  for (std::size_t row = 0; row < coordinates.front()->size(); ++row) {
+    std::vector<double> place;
+    for (const auto* values : coordinates)
+      if (const double value = (*values)[row]; std::isfinite(value)) place.push_back(value);
+    if (place.size() == coordinates.size()) places.insert(std::move(place));
+  }
+  return places.size();
 }
 
 bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values) {

@@ -18,8 +18,8 @@ bool repeats_exactly(const std::vector<double>& values);
 // one's frame, and a plan that was computed then repeats within a datum only.
 bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values);
 
-// How many there are; missing ones do not count.
-std::size_t different_values(const std::vector<double>& values);
+// Of coordinates, one value per row each.
+std::size_t different_places(const std::vector<const std::vector<double>*>& coordinates);
 
 // A pose coordinate from the motors by a polynomial and, linearly, the temperatures, forces, air
 // and time of the row, fitted to all rows. Nothing where no motor varies or too few rows are

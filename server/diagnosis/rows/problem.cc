@@ -186,25 +186,24 @@ bool reads(const std::vector<effects::Term>& terms, const std::string& symbol) {
 
 // Of the two readings of a position, motor and pose, one has the noise. Where the pose repeats
 // itself exactly and the motors do not, it is the motors': their path is what the baseline predicts
-// from the pose. A coarse display repeats itself too, in more values than the places that were
-// commanded. Everywhere else the pose is what the motors predict.
+// from the pose. A coarse display repeats itself too, in more places than were commanded.
+// Everywhere else the pose is what the motors predict.
 bool motors_were_measured(const Problem& problem) {
   const Dataset& data = problem.data();
-  bool motors_repeat = true, pose_repeats = false;
-  std::size_t of_motors = 0, of_pose = 0;
+  bool motors_repeat = true;
+  std::vector<const std::vector<double>*> motors, pose;  // that repeat, of the pose
   for (const auto& column : data.columns) {
-    const auto places = different_values(column.values);
     if (is_motor_symbol(column.channel.symbol)) {
       motors_repeat = motors_repeat && repeats_exactly(data, column.values);
-      of_motors = std::max(of_motors, places);
+      motors.push_back(&column.values);
     } else if (is_coordinate(problem, column.channel) && repeats_exactly(data, column.values)) {
-      pose_repeats = true;
-      of_pose = std::max(of_pose, places);
+      pose.push_back(&column.values);
     }
   }
   const bool outputs_are_motors = std::ranges::all_of(
       problem.outputs, [](const auto& output) { return is_motor_symbol(output.channel.symbol); });
-  return pose_repeats && (!motors_repeat || (outputs_are_motors && of_pose < of_motors));
+  return !pose.empty() && (!motors_repeat || (outputs_are_motors &&
+                                              different_places(pose) < different_places(motors)));
 }
 
 // True: a pose coordinate is a prediction from here on.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "server/diagnosis/rows/predicted_pose.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
@@ -24,6 +26,17 @@ TEST(Places, OfAScanOverMicrometresAreAsManyAsItsPoints) {
   std::vector<double> values;
   for (int k = 1; k <= 300; ++k) values.push_back(0.004 * std::fmod(k * 0.6180339887498949, 1.0));
   EXPECT_EQ(place_count(values), 300U);
+}
+
+// An askew lattice: each coordinate has as many values as there are places, and a coarse display of
+// it fewer; places are told by all of them together.
+TEST(Places, AreToldByAllCoordinatesTogether) {
+  const std::vector<double> x = {0, 1, 0, 1, 0}, y = {0, 0, 1, 1, 0};
+  const std::vector<double> askew = {0, 1, 0.1, 1.1, 0};
+  EXPECT_EQ(different_places({&x, &y}), 4U);
+  EXPECT_EQ(different_places({&askew}), 4U);
+  EXPECT_EQ(different_places({&x}), 2U);
+  EXPECT_EQ(different_places({}), 0U);
 }
 
 TEST(Places, LeaveMissingValuesOut) {
