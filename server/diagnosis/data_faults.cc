@@ -13,7 +13,7 @@
 namespace driftwise::diagnosis {
 namespace {
 
-// Of 2 ln L, less the choice among the instants.
+// Growth of 2 ln L by the changes, less the choice among the instants.
 double gain_of(const std::vector<NoiseChange>& changes, Eigen::Index instants) {
   double sum = changes.empty() ? 0 : -2 * std::log(static_cast<double>(instants));
   for (const auto& change : changes) sum += change.gain;

@@ -60,7 +60,7 @@ class Places {
     places_ = std::ssize(numbers);
   }
 
-  // What the levels leave of whitened columns.
+  // Whitened columns, less what the levels explain.
   Eigen::MatrixXd beyond(const Eigen::MatrixXd& white, double correlation) const {
     if (2 * places_ > white.rows()) return white;
     std::vector<Eigen::Triplet<double>> entries;

@@ -47,7 +47,7 @@ Result<bool> Extension::add_two(const Look& look, double alpha) {
   return false;
 }
 
-// What is named and noted is as it comes where nothing was added.
+// Names and notes are left as they come where nothing was added: add_two() puts them back.
 Result<bool> Extension::add_beside(std::size_t cause, const Look& look, double alpha) {
   const std::size_t index = named_.size();
   shapes_ = look.shapes;

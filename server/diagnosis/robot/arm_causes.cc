@@ -92,7 +92,7 @@ class Builder {
     }
   }
 
-  // Where gravity hardly loads a joint, friction leaves it on the flank that drove it last.
+  // Play of a joint that gravity hardly loads: friction leaves it on the flank that drove it last.
   void add_plays_by_motion() {
     for (Index j = 0; j < angles_rad_.cols(); ++j) {
       const auto joint = static_cast<std::size_t>(j);

@@ -18,7 +18,8 @@ bool repeats_exactly(const std::vector<double>& values);
 // one's frame, and a plan that was computed then repeats within a datum only.
 bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values);
 
-// Of coordinates, one value per row each.
+// Number of different places of these coordinates, one value per row each. Rows that lack a value
+// do not count.
 std::size_t different_places(const std::vector<const std::vector<double>*>& coordinates);
 
 // A pose coordinate from the motors by a polynomial and, linearly, the temperatures, forces, air

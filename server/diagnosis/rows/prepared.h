@@ -33,7 +33,7 @@ class Prepared {
   const Dataset& conditions() const { return clocked_; }
 
   const Dataset& data() const { return data_; }
-  // Where the motors went: what their plays and creeps go with.
+  // Path of the motors: what their plays and creeps go with.
   const Dataset& path() const { return on_path_; }
   // Channels that are read in coarse steps, by symbol.
   const std::map<std::string, CoarseChannel>& coarse() const { return coarse_; }

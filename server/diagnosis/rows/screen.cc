@@ -365,11 +365,7 @@ double sides_gain(Eigen::Index n1, double sum1, Eigen::Index n2, double sum2) {
          b * std::log(sum2 / b);
 }
 
-}  // namespace
-
-namespace {
-
-// What one output leaves, whitened.
+// Residual of one output, whitened.
 struct Spreading {
   std::size_t output;
   Eigen::VectorXd left, clipped;  // in units of its spread; squares

@@ -215,7 +215,7 @@ TEST(ArmDiagnosis, FindsPlayByTheSideThatTheJointCameFrom) {
   EXPECT_NEAR(width.value, 45, 3 * (width.ci90->high - width.value));
   EXPECT_EQ(found.robot.links[0].errors, JointErrors{});
   EXPECT_NEAR(found.robot.links[1].a_mm, kUpper + 0.4, 0.03);
-  // What no robot file can have is in the figures all the same.
+  // Figures include the play, which no robot file can have.
   for (const std::size_t o : {0, 1}) {
     const auto& output = found.diagnosis.outputs[o];
     EXPECT_LT(output.u90_calibration_after, 1.645 * 1.25 * 24e3) << output.output;
