@@ -22,14 +22,16 @@ Reading readback(const DeviceDescription& controller, const MotionState& state,
   return reading;
 }
 
-// Readings of all controllers; the result: where all axes of the cell are.
-Awaitable<Result<std::vector<double>>> read_axes(DeviceBench& devices, std::int64_t sequence,
+// Readings of all controllers, shown as they come; the result: where all axes of the cell are.
+Awaitable<Result<std::vector<double>>> read_axes(Workbench& bench, std::int64_t sequence,
                                                  std::vector<Reading>& readings) {
+  auto& devices = bench.devices;
   DRIFTWISE_CO_TRY(const auto states, co_await devices.motion_states());
   std::vector<double> q_mm;
   const auto& controllers = devices.with_role(DeviceRole::motion);
   for (std::size_t i = 0; i < states.size(); ++i) {
     readings.push_back(readback(devices.description(controllers[i]), states[i], sequence));
+    bench.recorder.observe(JudgedReading{readings.back(), {}});
     q_mm.insert(q_mm.end(), states[i].q_mm.begin(), states[i].q_mm.end());
   }
   co_return q_mm;
@@ -165,7 +167,8 @@ void show_pose(RunScope& scope, const std::vector<JudgedReading>& round, std::in
 
 Awaitable<Result<void>> look_at_pose(RunScope& scope) {
   auto& bench = scope.bench;
-  DRIFTWISE_CO_TRY(auto state, co_await bench.devices.motion_state());
+  std::vector<Reading> readbacks;
+  DRIFTWISE_CO_TRY(const auto q_mm, co_await read_axes(bench, 0, readbacks));
   DRIFTWISE_CO_TRY(auto round, co_await bench.devices.read_pose_instruments());
   std::set<std::string> out_of_range;
   note_out_of_range(bench.devices.setup(), round, out_of_range);
@@ -175,11 +178,11 @@ Awaitable<Result<void>> look_at_pose(RunScope& scope) {
     for (const auto& value : reading.values)
       if (!is_missing(value.value) && !out_of_range.contains(value.channel)) raw.push_back(value);
   }
-  if (auto good = bench.doubts.check_round(round, state.q_mm); !good) {
+  if (auto good = bench.doubts.check_round(round, q_mm); !good) {
     for (auto& reading : round) bench.writer.add(std::move(reading));
     co_return good;
   }
-  co_return bench.doubts.check_pose(bench.pose.pose(raw), state.q_mm);
+  co_return bench.doubts.check_pose(bench.pose.pose(raw), q_mm);
 }
 
 Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
@@ -190,7 +193,7 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
   std::set<std::string> out_of_range;
   std::optional<CellTime> first, last;
   for (int k = 0; k <= count; ++k) {
-    DRIFTWISE_CO_TRY(const auto q_mm, co_await read_axes(devices, k, sampling.readings));
+    DRIFTWISE_CO_TRY(const auto q_mm, co_await read_axes(scope.bench, k, sampling.readings));
     // The last look at the axes decides too: they may have moved during the last reading.
     DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
     if (k == count) break;

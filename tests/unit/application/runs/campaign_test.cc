@@ -182,6 +182,22 @@ TEST_F(Campaign, EstimatesItsEnd) {
   EXPECT_NEAR(seconds_from(estimate - asked_at) / seconds_from(ended.ended - asked_at), 1, 0.15);
 }
 
+// Of both the run's own readings are what is shown: the recorder leaves them alone meanwhile.
+TEST_F(Campaign, ShowsTheAxesAsNewAsTheLengths) {
+  cell.begin_run(lines_of(10, {2, -3, 1}, true));
+  cell.until([&] { return cell.status().run->run.accepted == 20; });
+  const auto status = cell.status();
+  int seen = 0;
+  for (const auto& value : status.values) {
+    const auto name = value.channel.name();
+    if (name != "q1_mm" && name != "x_mm") continue;
+    ++seen;
+    EXPECT_LT(value.age_s, 5) << name;
+    EXPECT_FALSE(value.stale) << name;
+  }
+  EXPECT_EQ(seen, 2);
+}
+
 TEST_F(Campaign, IsTheSameEveryTime) {
   const auto run = cell.begin_run(lines_of(2, {2, -3}, true));
   cell.finish_run();
