@@ -46,10 +46,10 @@ Awaitable<void> Composition::start_up() {
   tell("serving the promoted plan", co_await plans.restore());
   served_again_ = true;
   looked_for_what_serves_.raise();
+  co_await durations.load();  // before a run that goes on is given an end
   tell("going on with the run", co_await runs.continue_unfinished());
   tell("continuing the rest", co_await rests.continue_unfinished());
   queue_desk.start();
-  tasks.spawn(durations.load());
 }
 
 Awaitable<void> Composition::served_again() {

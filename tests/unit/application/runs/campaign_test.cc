@@ -198,6 +198,23 @@ TEST_F(Campaign, ShowsTheAxesAsNewAsTheLengths) {
   EXPECT_EQ(seen, 2);
 }
 
+TEST(CampaignAfterARestart, HasAnEndThatRestsOnTheRunsOnRecordAtOnce) {
+  Folder folder;
+  SmallWorld world;
+  const auto description = small_cell(folder / "cell.sqlite");
+  {
+    CellInMemory cell(world, description, kSqlite);
+    cell.begin_run(lines_of(2, {2, -3}, true));
+    EXPECT_EQ(cell.finish_run().state, RunState::done);
+    cell.begin_run(lines_of(2, {2, -3}, true));
+    cell.until([&] { return cell.status().run->run.accepted == 2; });
+  }
+  CellInMemory cell(world, description, kSqlite, kWorldBegin + std::chrono::hours(1));
+  cell.until([&] { return cell.status().run.has_value(); }, 10);
+  EXPECT_EQ(cell.status().run->outlook.runs, 1);
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
 TEST_F(Campaign, IsTheSameEveryTime) {
   const auto run = cell.begin_run(lines_of(2, {2, -3}, true));
   cell.finish_run();
