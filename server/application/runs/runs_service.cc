@@ -251,7 +251,7 @@ Awaitable<Result<RunRecord>> RunsService::steer(Caller caller, RunId id, const c
   DRIFTWISE_CO_TRY(auto control, control_of(id, verb));
   events_.record(caller, fmt::format("run.{}", verb), std::move(detail), id);
   act(*control);
-  co_return *engine_.record();
+  co_return present();
 }
 
 Awaitable<Result<RunRecord>> RunsService::pause(Caller caller, RunId run) {
@@ -334,8 +334,16 @@ Awaitable<Result<RunRecord>> RunsService::tag(Caller caller, RunId id, RunMetada
   co_return co_await get(id);
 }
 
+// The run under way. A pause or stop that is asked for is in force, and can be ended, before the
+// point under way is through.
+RunRecord RunsService::present() const {
+  RunRecord record = *engine_.record();
+  if (record.hold.kind == RunHold::Kind::none) record.hold = engine_.control()->hold();
+  return record;
+}
+
 Awaitable<Result<RunRecord>> RunsService::get(RunId run) {
-  if (const auto* record = engine_.record(); record && record->id == run) co_return *record;
+  if (const auto* record = engine_.record(); record && record->id == run) co_return present();
   co_return co_await reader_.call([=](Store& store) { return store.runs().run(run); });
 }
 

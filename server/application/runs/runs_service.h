@@ -57,6 +57,7 @@ class RunsService final : public Runs {
                                               const std::string& name);
   Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, RunPlan plan,
                                          Trajectory trajectory);
+  RunRecord present() const;
   Result<RunControl*> control_of(RunId run, const char* verb);
   Awaitable<Result<RunRecord>> steer(Caller caller, RunId run, const char* verb, std::string detail,
                                      std::function<void(RunControl&)> act);

@@ -37,6 +37,28 @@ class AtTheMachine : public testing::Test {
   std::vector<std::string> alarms(const std::string& kind) { return cell.alarms_of(kind); }
 };
 
+// Scripts pause and resume faster than a point is measured.
+TEST_F(AtTheMachine, ResumeEndsAPauseBeforeThePointUnderWayIsThrough) {
+  const RunId run = begin_and_accept(2);
+  const auto asked = cell.await(cell->runs.pause(cell.ada, run));
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->state, RunState::running) << "the point under way is not through yet";
+  EXPECT_EQ(asked->hold.who, "ada");
+  const auto seen = cell.await(cell->runs.get(run));
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->hold, asked->hold);
+  EXPECT_EQ(cell.await(cell->runs.resume(bob, run, {})).error().reason, "HOLD_NOT_NAMED");
+  const auto resumed = cell.await(cell->runs.resume(bob, run, {seen->hold.id(), {}}));
+  ASSERT_TRUE(resumed) << resumed.error().message;
+  EXPECT_EQ(cell.await(cell->runs.get(run))->hold.kind, RunHold::Kind::none);
+  bool was_paused = false;
+  const auto watch = cell->runs.watch([&was_paused](const application::RunProgress& progress) {
+    was_paused = was_paused || progress.run.state == RunState::paused;
+  });
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_FALSE(was_paused);
+}
+
 TEST_F(AtTheMachine, ResumeNamesThePauseThatItEnds) {
   const RunId run = begin_and_accept(2);
   EXPECT_EQ(cell.await(cell->runs.resume(cell.ada, run, {})).error().reason, "NOT_PAUSED");
