@@ -32,6 +32,7 @@
 #include "drivers/all_devices.h"
 #include "server/access/access.h"
 #include "server/application/cell/cell.h"
+#include "server/application/manual/manual_control.h"
 #include "server/application/plans/joint_targets.h"
 #include "server/application/recording/usable_devices.h"
 #include "server/application/serving/targets.h"
@@ -43,6 +44,7 @@
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/heap_upkeep.h"
+#include "server/kept_stop_file.h"
 #include "server/line/target_line_server.h"
 #include "server/locks/claims.h"
 #include "server/notify/outside_notifier.h"
@@ -154,6 +156,7 @@ class ExecutorThread {
 
 // The cell with its doors; the web's stands on gRPC's. Destroyed in reverse.
 struct Daemon {
+  std::unique_ptr<KeptStopFile> kept_stop;
   std::unique_ptr<access::Access> access;
   std::unique_ptr<application::Cell> cell;
   // By the key of driftwised.json that names them: "target_line", "target_line_tls", ...
@@ -274,6 +277,8 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                   web::HttpServer::open(description.access.http, std::move(material)));
     if (web_address.empty()) web_address = daemon.https->origin() + "/";
   }
+  daemon.kept_stop = std::make_unique<KeptStopFile>(arguments.cell_file);
+  const auto kept_stop = daemon.kept_stop->read();
   const OpenStore open_store = [](const std::string& path, bool read_only) {
     return storage::open_sqlite_store(path, read_only);
   };
@@ -289,11 +294,13 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                          .boot_id = boot_id(),
                                          .web_address = web_address,
                                          .end_daemon = [] { ::kill(::getpid(), SIGTERM); },
+                                         .kept_stop = kept_stop,
                                          .log_tail = log_tail,
                                          .schema_version = storage::schema_version(),
                                          .report_template = report_template(web_root),
                                          .measure_pauses = true}));
   daemon.cell = std::move(cell);
+  if (kept_stop) daemon.kept_stop->remove();
   // The database is ours by now, and so are the files beside it.
   DRIFTWISE_TRY(auto access,
                 access::Access::open(description.access,
@@ -335,6 +342,14 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
     const Notice notice(arguments.cell_file, content);
     daemon.rpc->ready(true);
     const ServiceManager service_manager(context.get_executor());
+    const KeptStopWatch kept_stops(*daemon.kept_stop, [&](const formats::KeptStop& kept) {
+      spdlog::warn("stopped by {}, as {} said since {}", kept.who, formats::kKeptStopFile,
+                   kept.asked);
+      asio::co_spawn(context,
+                     daemon.cell->services().manual.stop_all({kept.who, formats::kKeptStopFile}),
+                     asio::use_future)
+          .wait();
+    });
     const HeapUpkeep heap([&host = daemon.cell->services().host] { return host.now(); });
     spdlog::info("{} is ready: {}", daemon.cell->services().overview.description().name,
                  content.dump());

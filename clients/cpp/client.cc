@@ -51,7 +51,12 @@ Answer<void> Client::stop_all(std::chrono::milliseconds limit) const {
   context.set_deadline(std::chrono::system_clock::now() + limit);
   v1::StopAllResponse response;
   const grpc::Status status = state_->cell->StopAll(&context, {}, &response);
-  if (!status.ok()) return tl::unexpected(failure_of(status, state_->link->address));
+  if (!status.ok()) {
+    auto failure = failure_of(status, state_->link->address);
+    if (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT")
+      failure.message = "NOT STOPPED: use the emergency switch: " + failure.message;
+    return tl::unexpected(std::move(failure));
+  }
   if (!response.confirmed())
     return tl::unexpected(Failure{"STOP_NOT_CONFIRMED", response.message()});
   return {};

@@ -250,7 +250,12 @@ class Cell:
 
     def stop_all(self, timeout_s: float = 2.0) -> Stopped:
         """Halts every axis; a run under way is paused. A stop by software: not confirmed means the emergency switch."""
-        answer = self._ask("CellService/StopAll", _CLASS["StopAllRequest"](), "StopAllResponse", timeout_s)
+        try:
+            answer = self._ask("CellService/StopAll", _CLASS["StopAllRequest"](), "StopAllResponse", timeout_s)
+        except DriftwiseError as failed:
+            if failed.reason not in ("NO_DAEMON", "TIMEOUT"):
+                raise
+            raise DriftwiseError(failed.reason, f"NOT STOPPED: use the emergency switch: {failed}", failed.code) from failed
         return Stopped(answer.confirmed, answer.message)
 
     def who_am_i(self, timeout_s: float = 2.0) -> Identity:

@@ -53,6 +53,7 @@ CellInMemory::CellInMemory(const MakeDevices& make_devices, CellDescription desc
   parts.diagnose = std::move(further.diagnose);
   parts.boot_id = std::move(further.boot_id);
   parts.end_daemon = std::move(further.end_daemon);
+  parts.kept_stop = std::move(further.kept_stop);
   parts.notify_threads = io_.get_executor();
   parts.notifier = std::move(further.notifier);
   auto cell = application::Cell::open(io_.get_executor(), std::move(parts));

@@ -58,12 +58,13 @@ class CellInMemory {
  public:
   struct Further {
     CellTime begin = kWorldBegin;
-    application::Diagnose diagnose = {};          // what stands in for the search for causes
-    asio::any_io_executor diagnosis_thread = {};  // where it runs; empty: with everything else
-    asio::any_io_executor text_thread = {};       // where texts are read; empty: likewise
-    std::string boot_id = "first";                // of the computer
-    std::function<void()> end_daemon = {};        // the cell asks for its own end
-    std::unique_ptr<Notifier> notifier = {};      // the way out; empty: nobody is told
+    application::Diagnose diagnose = {};              // what stands in for the search for causes
+    asio::any_io_executor diagnosis_thread = {};      // where it runs; empty: with everything else
+    asio::any_io_executor text_thread = {};           // where texts are read; empty: likewise
+    std::string boot_id = "first";                    // of the computer
+    std::function<void()> end_daemon = {};            // the cell asks for its own end
+    std::unique_ptr<Notifier> notifier = {};          // the way out; empty: nobody is told
+    std::optional<formats::KeptStop> kept_stop = {};  // asked for while no daemon answered
   };
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                Further further);

@@ -5,11 +5,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "clients/cli/core/session.h"
 #include "driftwise/v1/error_detail.pb.h"
 #include "server/core/text/utf8.h"
+#include "server/core/utc_map.h"
+#include "server/formats/text/kept_stop.h"
 
 namespace driftwise::cli {
 namespace {
@@ -98,6 +102,30 @@ std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Way& way) {
   return grpc::SslCredentials({way.authority_pem, way.key_pem, way.certificate_pem});
 }
 
+std::string not_kept(const std::string& why) {
+  return "The stop could not be kept: " + why +
+         ". A daemon that starts, also by itself, goes on with a run that was under way ([run] "
+         "after_restart): let none start before somebody has looked at the machine";
+}
+
+// Leaves the stop in the cell's folder for the next start of the daemon. Result: sentences on what
+// a start of the daemon will do, kept or not.
+std::string keep_wish(const std::string& cell_folder, const std::string& operator_name) {
+  if (cell_folder.empty())
+    return not_kept("no driftwised.json in this folder says which cell it is");
+  const auto path = std::filesystem::absolute(cell_folder) / formats::kKeptStopFile;
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  const UtcTime now{std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count()};
+  try {
+    write_output_file(path.string(), formats::write_kept_stop({operator_name, to_iso8601(now)}));
+  } catch (const Failure& failure) {
+    return not_kept(failure.message);
+  }
+  return "The stop is kept in " + path.lexically_normal().string() +
+         ": a daemon that starts there, or answers again, stops the axes first; run and queue then "
+         "wait for a person";
+}
+
 }  // namespace
 
 ExitCode exit_code_of(const grpc::Status& status) {
@@ -119,6 +147,7 @@ Connection::Connection(const Way& way, std::string operator_name, double timeout
                        Interrupt* interrupt)
     : address_(way.address),
       token_(way.token),
+      cell_folder_(way.cell_folder),
       tls_(way.tls()),
       operator_name_(std::move(operator_name)),
       timeout_s_(timeout_s),
@@ -158,16 +187,24 @@ void Connection::check(const grpc::Status& status) const {
   Failure failure{exit_code_of(status), code_text(status.error_code()), detail.reason(),
                   status.error_message()};
   if (!detail.message().empty()) failure.message = detail.message();
-  if (detail.reason().empty() && status.error_code() == grpc::StatusCode::UNAVAILABLE)
+  const bool nobody_said_so = detail.reason().empty();
+  const std::string tls_words = tls_ ? " (TLS: " + status.error_message() + ")" : "";
+  if (nobody_said_so && status.error_code() == grpc::StatusCode::UNAVAILABLE)
     failure = {
         ExitCode::unreachable, "unavailable", "NO_DAEMON",
         "cannot reach the daemon at " + address_ +
-            ": is driftwised running there? Start it, or name another with --server host:port" +
-            (tls_ ? " (TLS: " + status.error_message() + ")" : "")};
-  if (detail.reason().empty() && status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
+            (halting_ ? ""
+                      : ": is driftwised running there? Start it, or name another with --server "
+                        "host:port") +
+            tls_words};
+  if (nobody_said_so && status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     failure = {ExitCode::unreachable, "deadline_exceeded", "TIMEOUT",
-               "no answer from " + address_ +
-                   " in time: look at `driftwise status`, or allow more with --timeout S"};
+               "no answer from " + address_ + " in time" +
+                   (halting_ ? tls_words
+                             : ": look at `driftwise status`, or allow more with --timeout S")};
+  if (halting_ && (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT"))
+    failure.message = std::string("NOT ") + halting_ + ": use the emergency switch. " +
+                      failure.message + ". " + keep_wish(cell_folder_, operator_name_);
   throw failure;
 }
 

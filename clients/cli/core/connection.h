@@ -38,6 +38,14 @@ class Connection {
     copy.interrupt_ = nullptr;
     return copy;
   }
+  // For what halts the robot or keeps it from going on. done: "STOPPED". Without an answer the
+  // Failure says that nothing was, and names the emergency switch; the wish is kept for the next
+  // start of the daemon where this is the cell's folder.
+  Connection for_halting(const char* done) const {
+    Connection copy = *this;
+    copy.halting_ = done;
+    return copy;
+  }
   bool interrupted() const { return interrupt_ != nullptr && interrupt_->raised(); }
 
   // Throws Failure (bad_input, NOT_TEXT) naming the field that holds bytes which are no UTF-8: a
@@ -88,8 +96,9 @@ class Connection {
  private:
   void check(const grpc::Status& status) const;  // throws Failure
 
-  std::string address_, token_;
+  std::string address_, token_, cell_folder_;
   bool tls_;
+  const char* halting_ = nullptr;  // what is not done when nobody answers
   std::string operator_name_;
   double timeout_s_;
   Interrupt* interrupt_;

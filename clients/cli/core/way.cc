@@ -121,10 +121,13 @@ Way find_way(const WayOptions& options, const Console& console) {
     way.address = checked_address(server.value, server.from);
   } else if (notice && local && may_use(notice->socket, R_OK | W_OK)) {
     way.address = "unix:" + notice->socket;
+    way.cell_folder = console.working_folder;
     return way;
   } else {
     way.address = notice ? notice->grpc : "127.0.0.1:50051";
   }
+  if (notice && (way.address == notice->grpc || way.address == "unix:" + notice->socket))
+    way.cell_folder = console.working_folder;
   if (notice && local && way.address == notice->grpc && may_use(notice->token_file, R_OK))
     way.token = token_in({notice->token_file, "driftwised.json"});
   return way;

@@ -16,6 +16,9 @@ struct Way {
   std::string address;  // "127.0.0.1:50051", "unix:/path/driftwised.sock"
   std::string authority_pem, certificate_pem, key_pem;  // TLS with the first; the others are ours
   std::string token;                                    // "dwt_..."; empty: none
+  // Folder of the driftwised.json that names this address: the cell's own. Empty: which cell it is
+  // is not known here.
+  std::string cell_folder;
 
   bool tls() const { return !authority_pem.empty(); }
 };

@@ -1,9 +1,35 @@
 #include "server/application/cell/cell.h"
 
+#include <fmt/format.h>
+
 #include "server/application/cell/composition.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
+
+namespace {
+
+// Of every controller, as a stop that a daemon was asked for: with the pause of the run and the
+// hold of the queue.
+Result<void> store_kept_stop(Store& store, const CellDescription& description,
+                             const formats::KeptStop& kept, Stamp now) {
+  std::vector<StopRecord> stops;
+  for (const auto& device : description.devices)
+    if (device.role() == DeviceRole::motion)
+      stops.push_back({{},
+                       device.id,
+                       kept.who,
+                       formats::kKeptStopFile,
+                       fmt::format("stopped by {}", kept.who),
+                       now,
+                       1,
+                       {}});
+  DRIFTWISE_TRY(const auto stored, store.stops().keep(stops));
+  static_cast<void>(stored);
+  return {};
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts parts) {
   DRIFTWISE_TRY(auto writing, parts.open_store(parts.description.database, false));
@@ -17,6 +43,9 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
   DRIFTWISE_TRY(const auto unfinished,
                 writing->diagnoses().fail_unfinished("the daemon ended while it ran",
                                                      parts.clock->now().utc));
+  if (parts.kept_stop)
+    DRIFTWISE_RETURN_IF_ERROR(
+        store_kept_stop(*writing, parts.description, *parts.kept_stop, parts.clock->now()));
   DRIFTWISE_TRY(auto stops, writing->stops().pending());
   DRIFTWISE_TRY(auto queue, writing->queue().queue(QueueDesk::kHistory));
   DRIFTWISE_TRY(auto configuration, ConfigurationBook::open(*writing, parts.description,

@@ -8,6 +8,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "server/core/ports/outside/notifier.h"
 #include "server/core/ports/store.h"
 #include "server/core/result.h"
+#include "server/formats/text/kept_stop.h"
 
 namespace driftwise::application {
 
@@ -45,6 +47,9 @@ class Cell {
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
     std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does
+    // What a person asked for while no daemon answered: a pending stop from the start on, stored
+    // when open() is through.
+    std::optional<formats::KeptStop> kept_stop = {};
     // The last lines of the log, oldest first; empty: none is kept.
     std::function<std::vector<std::string>()> log_tail = {};
     int schema_version = 0;            // of the database; 0: not told

@@ -179,6 +179,13 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
     queue_desk.stopped(caller, cause);
   });
   queue_desk.restore(std::move(opened.queue));
+  if (given.kept_stop)
+    events.record_own(
+        "stop.kept",
+        fmt::format("stopped by {} at {} by the clock there, while no daemon answered: "
+                    "the axes are stopped now, and a run that was under way waits for "
+                    "a person",
+                    given.kept_stop->who, given.kept_stop->asked));
   manual.start();
   if (opened.unfinished_jobs > 0)
     events.record_own("diagnosis.failed",

@@ -43,6 +43,7 @@ void StopDesk::restore(std::vector<StopRecord> pending) {
     place.late = true;  // the answer to whoever asked for it is long over
     place.trouble = "the daemon was started anew";
   };
+  if (!pending.empty()) cause_at_start_ = pending.front().cause;
   for (auto& stop : pending) {
     const auto known = std::find_if(places_.begin(), places_.end(), [&](const Place& place) {
       return place.controller.id == stop.controller;

@@ -54,6 +54,9 @@ class StopDesk {
     on_press_ = std::move(to);
   }
 
+  // Cause of a stop that was pending at the start, confirmed since or not: the run that was under
+  // way then is not continued.
+  const std::optional<std::string>& cause_at_start() const { return cause_at_start_; }
   bool pending() const;
   std::vector<StopRecord> records() const;  // those pending, in the order of the controllers
   // Errors: failed_precondition STOP_PENDING: whose stop, which controller, why not yet, what to
@@ -91,6 +94,7 @@ class StopDesk {
   TaskGroup& tasks_;
   std::vector<Place> places_;        // never grows: coroutines refer into it
   std::vector<StopRecord> orphans_;  // pending, of controllers that the cell no longer has
+  std::optional<std::string> cause_at_start_;
   bool ending_ = false;
   Signal changed_, pressed_;
   std::function<void(const Caller&, const std::string&)> on_press_;

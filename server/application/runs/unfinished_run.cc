@@ -38,6 +38,9 @@ Awaitable<Result<void>> RunsService::continue_unfinished() {
   if (const auto stops = stops_.records(); !stops.empty()) {
     record.state = RunState::paused;
     record.reason = stops.front().cause;
+  } else if (const auto& cause = stops_.cause_at_start()) {
+    record.state = RunState::paused;
+    record.reason = *cause;
   }
   // Measured on under another cell file only when a person has seen the difference.
   auto question = configuration_.question_for(record);

@@ -5,6 +5,7 @@
 #include <grpcpp/client_context.h>
 
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
@@ -82,6 +83,34 @@ TEST_F(StopOnTheWire, AKillWithAPendingStopChangesNothing) {
   cell.start_daemon();
   expect_halted_for_good();
   EXPECT_EQ(cell.events("axes.home"), 0);
+}
+
+// Asked for while the daemon was dead: the start is not what makes the robot go on.
+TEST_F(StopOnTheWire, AStopWithoutADaemonIsTheFirstThingThatTheNextOneDoes) {
+  cell.kill_daemon();
+  const auto stop =
+      run_process({"sh", "-c",
+                   "cd '" + cell.folder() +
+                       "' && '" DRIFTWISE_BUILD_FOLDER "/bin/driftwise' stop --operator ada"},
+                  std::chrono::seconds(30));
+  EXPECT_EQ(stop.code, 4);
+  EXPECT_THAT(stop.err, HasSubstr("NOT STOPPED: use the emergency switch"));
+  cell.start_daemon();
+  expect_halted_for_good();
+  EXPECT_EQ(cell.events("stop.kept"), 1);
+  EXPECT_EQ(cell.events("axes.home"), 0);
+  EXPECT_EQ(cell.run(run).at("hold").at("who"), "ada");
+  cell.kill_daemon();
+  cell.start_daemon();
+  EXPECT_EQ(cell.events("stop.kept"), 1) << "it is kept once";
+}
+
+// A client that wrote it while the daemon started, or hung.
+TEST_F(StopOnTheWire, AStopThatWasKeptIsTakenByADaemonThatRuns) {
+  cell.write("driftwised.stop", R"({"who": "bob", "asked": "2026-11-28T19:43:00Z"})");
+  expect_halted_for_good();
+  EXPECT_EQ(cell.run(run).at("hold").at("who"), "bob");
+  EXPECT_FALSE(std::filesystem::exists(cell.folder() + "/driftwised.stop"));
 }
 
 }  // namespace

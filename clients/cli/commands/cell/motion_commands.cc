@@ -229,7 +229,9 @@ ExitCode take_lease(const Session& session, const MotionArguments& a) {
 
 // A stop that is not confirmed is no success, although the daemon goes on with it.
 ExitCode stop(const Session& session) {
-  const auto answer = session.connect().ask(&CellStub::StopAll, v1::StopAllRequest{});
+  constexpr double kPatience_s = 3;  // the daemon answers within 0.1 s
+  const auto answer = session.connect().for_halting("STOPPED").ask(
+      &CellStub::StopAll, v1::StopAllRequest{}, kPatience_s);
   if (!answer.confirmed())
     throw Failure{ExitCode::refused, "failed_precondition", "STOP_NOT_CONFIRMED", answer.message()};
   if (session.console.json)

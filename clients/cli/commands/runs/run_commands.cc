@@ -102,7 +102,7 @@ ExitCode abort_run(const Session& session, std::int64_t id, const std::string& r
   request.set_run_id(id);
   request.set_reason(reason);
   const auto connection = session.connect();
-  auto run = connection.ask(&RunStub::AbortRun, request).run();
+  auto run = connection.for_halting("ABORTED").ask(&RunStub::AbortRun, request).run();
   const auto until = std::chrono::steady_clock::now() + kPatience;
   v1::GetRunRequest look;
   look.set_run_id(id);
@@ -132,7 +132,7 @@ ExitCode change(const Session& session, Method method, std::int64_t id, v1::Run:
                 const std::string& what_follows) {
   Request request;
   request.set_run_id(id);
-  const auto run = session.connect().ask(method, request).run();
+  const auto run = session.connect().for_halting("PAUSED").ask(method, request).run();
   const ExitCode exit = show_changed(session, run);
   if (run.state() != wanted && !session.console.json)
     session.console.err << what_follows << ": follow it with `driftwise run watch " << id << "`\n";

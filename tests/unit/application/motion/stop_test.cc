@@ -167,7 +167,21 @@ TEST_F(Stopping, AnAbortIsRememberedToo) {
   EXPECT_GT(std::abs(world.to_mm + 3), 0.1);
 }
 
-// The daemon in a child, killed when `when` says so; the world goes on.
+// The daemon in a child, killed with an axis on its way; the world goes on.
+void kill_on_the_way(SharedWorld& world, const std::string& database) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    CellInMemory cell(*world, small_cell(database), kSqlite);
+    cell.begin_run(kStopRows);
+    cell.until([&] { return world->to_mm < -2.5 && cell.now().utc_ns < world->move_end_ns; });
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+}
+
+// The same, killed when `when` says so.
 void kill_when(SharedWorld& world, const std::string& database, const char* crash_point) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -223,6 +237,32 @@ TEST(StopAndKill, AConfirmedStopLeavesTheRunPausedThoughTheRunHadNotSeenIt) {
   cell.pass(600);
   EXPECT_EQ(cell.status().run->run.state, RunState::paused);
   EXPECT_EQ(world->moves, moves);
+}
+
+TEST(StopAndKill, AStopThatNoDaemonWasThereToTakeIsTheFirstCommandOfTheNext) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  kill_on_the_way(world, database);
+  world->axis_calls = world->first_stop_call = 0;
+  const int moves = world->moves, homes = world->homes;
+  const CellTime begin{world->move_begin_ns + 500'000'000};
+  CellInMemory cell(
+      *world, small_cell(database), kSqlite,
+      {.begin = begin, .kept_stop = formats::KeptStop{"bob", "2026-11-21T08:00:00Z"}});
+  cell.until([&] { return cell.status().run && cell.status().pending_stops.empty(); }, 10);
+  EXPECT_EQ(world->first_stop_call, 1);
+  EXPECT_GT(std::abs(world->to_mm + 3), 0.1) << "it halted on its way";
+  cell.pass(600);
+  EXPECT_EQ(cell.status().run->run.state, RunState::paused);
+  EXPECT_EQ(cell.status().run->run.reason, "stopped by bob");
+  EXPECT_EQ(world->moves, moves);
+  EXPECT_EQ(world->homes, homes);
+  EXPECT_THAT(cell.events_named("stop.kept"),
+              testing::ElementsAre(HasSubstr("stopped by bob at 2026-11-21T08:00:00Z")));
+  EXPECT_TRUE(cell->queue.list().hold.held) << "nor does a campaign begin by itself";
+  ASSERT_TRUE(cell.resume(kStopper));
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
 
 }  // namespace

@@ -1,0 +1,59 @@
+#include "server/kept_stop_file.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <fstream>
+
+namespace driftwise {
+
+namespace fs = std::filesystem;
+
+KeptStopFile::KeptStopFile(const std::string& cell_file)
+    : path_(fs::absolute(cell_file).parent_path() / formats::kKeptStopFile) {}
+
+std::optional<formats::KeptStop> KeptStopFile::read() {
+  constexpr std::size_t kMost = 4096;
+  const std::lock_guard lock(mutex_);
+  std::error_code ignored;
+  if (!fs::exists(fs::symlink_status(path_, ignored))) return std::nullopt;
+  read_at_ = fs::last_write_time(path_, ignored);
+  if (read_at_ == stays_) return std::nullopt;
+  std::string text;
+  if (fs::is_regular_file(path_, ignored)) {
+    std::ifstream file(path_, std::ios::binary);
+    text.resize(kMost);
+    file.read(text.data(), static_cast<std::streamsize>(kMost));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+  }
+  return formats::read_kept_stop(text);
+}
+
+void KeptStopFile::remove() {
+  const std::lock_guard lock(mutex_);
+  std::error_code failed;
+  fs::remove(path_, failed);
+  if (!failed) return;
+  stays_ = read_at_;
+  spdlog::warn("cannot remove {}: {}; the next start stops the axes again: remove it by hand",
+               path_.string(), failed.message());
+}
+
+KeptStopWatch::KeptStopWatch(KeptStopFile& file, std::function<void(const formats::KeptStop&)> stop)
+    : thread_([&file, stop = std::move(stop)](const std::stop_token& ending) {
+        constexpr auto kLookEvery = std::chrono::milliseconds(500);
+        std::mutex mutex;
+        std::condition_variable_any woken;
+        std::unique_lock lock(mutex);
+        while (!ending.stop_requested()) {
+          if (const auto kept = file.read()) {
+            stop(*kept);
+            file.remove();
+          }
+          woken.wait_for(lock, ending, kLookEvery, [] { return false; });
+        }
+      }) {}
+
+}  // namespace driftwise

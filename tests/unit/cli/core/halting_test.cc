@@ -1,0 +1,73 @@
+// What halts the robot, asked for while no daemon answers.
+
+#include <filesystem>
+
+#include "server/formats/text/kept_stop.h"
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::AllOf;
+using testing::Not;
+
+class HaltingWithoutADaemon : public CliTest {
+ protected:
+  // A daemon that was killed leaves its driftwised.json.
+  void SetUp() override {
+    CliTest::SetUp();
+    file("driftwised.json", "{\"grpc\": \"" + server->address() + "\"}");
+    server.reset();
+    environment.erase("DRIFTWISE_SERVER");
+  }
+  std::string kept_path() const { return folder.path() + "/" + formats::kKeptStopFile; }
+  bool is_kept() const { return std::filesystem::exists(kept_path()); }
+};
+
+TEST_F(HaltingWithoutADaemon, NamesTheEmergencySwitchAndKeepsTheStopForTheNextStart) {
+  const auto outcome = run({"stop"});
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("NOT STOPPED: use the emergency switch. cannot reach the daemon at "),
+                    HasSubstr("kept in " + kept_path()), HasSubstr("wait for a person"),
+                    Not(HasSubstr("Start it"))));
+  ASSERT_TRUE(is_kept());
+  std::ifstream kept(kept_path());
+  const std::string text{std::istreambuf_iterator<char>(kept), {}};
+  EXPECT_EQ(formats::read_kept_stop(text).who, "ada");
+}
+
+TEST_F(HaltingWithoutADaemon, CountsForAPauseAndAnAbortToo) {
+  EXPECT_THAT(run({"run", "abort", "3"}).err, HasSubstr("NOT ABORTED: use the emergency switch"));
+  EXPECT_TRUE(is_kept());
+  std::filesystem::remove(kept_path());
+  EXPECT_THAT(run({"run", "pause", "3"}).err, HasSubstr("NOT PAUSED: use the emergency switch"));
+  EXPECT_TRUE(is_kept());
+}
+
+TEST_F(HaltingWithoutADaemon, SaysThatAStartGoesOnWhereTheCellIsNotKnown) {
+  const auto goes_on = AllOf(HasSubstr("NOT STOPPED: use the emergency switch"),
+                             HasSubstr("could not be kept"), HasSubstr("goes on with a run"),
+                             HasSubstr("let none start"), Not(HasSubstr("Start it")));
+  const auto another = run({"stop", "--server", "127.0.0.1:1"});
+  EXPECT_EQ(another.exit, 4);
+  EXPECT_THAT(another.err, goes_on);
+  EXPECT_FALSE(is_kept()) << "the stop of another cell";
+  std::filesystem::remove(folder.path() + "/driftwised.json");
+  EXPECT_THAT(run({"stop", "--server", "127.0.0.1:1"}).err, goes_on);
+  EXPECT_FALSE(is_kept());
+}
+
+TEST_F(HaltingWithoutADaemon, SaysThatAStartGoesOnWhereTheFolderCannotBeWritten) {
+  std::filesystem::create_directory(kept_path());
+  EXPECT_THAT(run({"stop"}).err, AllOf(HasSubstr("could not be kept: cannot write " + kept_path()),
+                                       HasSubstr("goes on with a run")));
+}
+
+TEST_F(HaltingWithoutADaemon, KeepsNothingForWhatHaltsNothing) {
+  EXPECT_THAT(run({"status"}).err, AllOf(HasSubstr("Start it"), Not(HasSubstr("NOT "))));
+  EXPECT_FALSE(is_kept());
+}
+
+}  // namespace
+}  // namespace driftwise::tests
