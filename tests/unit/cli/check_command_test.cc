@@ -64,6 +64,22 @@ TEST_F(CheckCommand, SaysNoWithItsExitCode) {
   EXPECT_TRUE(json["outputs"][0]["runs"][0]["ewma_bias"].is_null());
 }
 
+TEST_F(CheckCommand, ARollbackToADoubtfulModelSaysSo) {
+  cell.add_model("q1 ~ x + x^2");
+  for (const char* model : {"1", "2"})
+    ASSERT_EQ(run({"model", "promote", model, "--yes"}).exit, 0) << model;
+  const auto in_control = run({"model", "rollback"});
+  EXPECT_THAT(in_control.err, HasSubstr("model 1 serves again"));
+  EXPECT_THAT(in_control.err, testing::Not(HasSubstr("the robot no longer does")));
+  cell.on_executor([this] {
+    checks.report.verdict = diagnosis::CheckVerdict::recalibrate;
+    checks.report.reasons = {"run 1: q1 errs by +83.0 nm on average, limit 41.0"};
+  });
+  EXPECT_THAT(run({"model", "rollback"}).err,
+              HasSubstr("the robot no longer does what model 1 says (model check 1): run 1: q1 "
+                        "errs by +83.0 nm on average"));
+}
+
 TEST_F(CheckCommand, NothingJudgedIsNoGoodNews) {
   cell.on_executor([this] {
     checks.report.verdict = diagnosis::CheckVerdict::not_judged;

@@ -49,9 +49,30 @@ TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
             "model 2 serves now: q ~ x\n"
             "accuracy (A90) 9.7 nm (q1, validation rows, mean +2 nm, U90 9.1 nm)\n");
   EXPECT_THAT(run({"model", "compare", "1", "2"}).out, HasSubstr("model 2*"));
-  EXPECT_EQ(run({"model", "rollback"}).out, "no model serves now\n");
+  EXPECT_EQ(run({"model", "rollback", "--yes"}).out, "no model serves now\n");
   EXPECT_EQ(json({"model", "history"})["promotions"].size(), 2U);
   EXPECT_EQ(run({"model", "promote", "9"}).exit, 3);
+}
+
+TEST_F(ModelCommandsTest, ARollbackSaysWhatItPutsBackAndAsks) {
+  cell.add_model("q ~ x");
+  EXPECT_EQ(run({"model", "promote", "1"}).exit, 0);
+  EXPECT_EQ(run({"model", "promote", "2"}).exit, 0);
+  const auto nobody = run({"model", "rollback"});
+  EXPECT_EQ(nobody.exit, 2) << "nobody is there to be asked";
+  for (const char* fact :
+       {"model 2 serves no longer", "model 1 serves again: q ~ x + T\n", "accuracy (A90) 9.7 nm",
+        "no run since model 1 was made shows whether the robot still does what it says", "--yes"})
+    EXPECT_THAT(nobody.err, HasSubstr(fact));
+  EXPECT_EQ(run({"model", "rollback"}, true, "n\n").exit, 5);
+  EXPECT_EQ(json({"model", "list"})["models"][1]["serving"], true) << "nothing was changed";
+  EXPECT_THAT(run({"model", "rollback"}, true, "y\n").out,
+              HasSubstr("model 1 serves now: q ~ x + T\n"));
+  const auto last = run({"model", "rollback"});
+  EXPECT_EQ(last.exit, 2);
+  EXPECT_THAT(last.err, HasSubstr("every target is refused (NO_MODEL) until one is promoted"));
+  EXPECT_EQ(run({"model", "rollback", "--yes"}).out, "no model serves now\n");
+  EXPECT_THAT(run({"model", "rollback"}).err, HasSubstr("there is none to take back"));
 }
 
 // A model that rests on a correction that was taken back since.

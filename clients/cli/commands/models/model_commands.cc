@@ -154,9 +154,69 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   return serving_now(session, true, connection.ask(&ModelStub::PromoteModel, request).model());
 }
 
-ExitCode roll_back(const Session& session) {
-  const auto response =
-      session.connect().ask(&ModelStub::RollBackModel, v1::RollBackModelRequest{});
+// Models in service, oldest first, that no rollback has taken back: the last one serves.
+std::vector<std::int64_t> served_in_order(const v1::ListPromotionsResponse& oldest_first) {
+  std::vector<std::int64_t> served;
+  for (const auto& one : oldest_first.promotions()) {
+    if (one.action() != v1::Promotion::ACTION_ROLLBACK) {
+      if (one.has_model_id()) served.push_back(one.model_id());
+    } else if (!served.empty()) {
+      served.pop_back();
+    }
+  }
+  return served;
+}
+
+// Does the robot still do what it says? A sentence; empty: it does.
+std::string doubt_about(const Connection& connection, std::int64_t id) {
+  constexpr double kPatience_s = 120;
+  v1::CheckModelRequest request;
+  request.set_model_id(id);
+  const std::string model = "model " + std::to_string(id);
+  v1::CheckModelResponse check;
+  try {
+    check = connection.ask(&ModelStub::CheckModel, request, kPatience_s);
+  } catch (const Failure& failure) {
+    if (failure.exit == ExitCode::interrupted) throw;
+    return model + " could not be checked against the runs since: " + failure.message;
+  }
+  if (check.verdict() == v1::CheckModelResponse::VERDICT_IN_CONTROL) return {};
+  if (check.verdict() != v1::CheckModelResponse::VERDICT_RECALIBRATE)
+    return "no run since " + model + " was made shows whether the robot still does what it says";
+  std::string doubt =
+      "the robot no longer does what " + model + " says (model check " + std::to_string(id) + ")";
+  for (const auto& reason : check.reasons()) doubt += ": " + reason;
+  return doubt;
+}
+
+// What follows from putting it back.
+std::vector<std::string> facts_of_return(const Connection& connection, std::int64_t id) {
+  v1::GetModelRequest request;
+  request.set_model_id(id);
+  const auto page = connection.ask(&ModelStub::GetModel, request);
+  std::vector<std::string> facts = {"model " + std::to_string(id) +
+                                    " serves again: " + page.model().formula()};
+  for (const auto& one : page.model().accuracy())
+    facts.push_back("accuracy (A90) " + accuracy_text(one));
+  for (const auto& question : page.promotion_questions()) facts.push_back("although " + question);
+  if (auto doubt = doubt_about(connection, id); !doubt.empty()) facts.push_back(std::move(doubt));
+  return facts;
+}
+
+ExitCode roll_back(const Session& session, bool yes) {
+  const auto connection = session.connect();
+  const auto served =
+      served_in_order(connection.ask(&ModelStub::ListPromotions, v1::ListPromotionsRequest{}));
+  if (!served.empty()) {
+    const std::string from = "model " + std::to_string(served.back());
+    confirm(session.console, yes, from + " serves no longer, for every controller:",
+            served.size() > 1
+                ? facts_of_return(connection, served[served.size() - 2])
+                : std::vector<std::string>{"no model served before it: every target is refused "
+                                           "(NO_MODEL) until one is promoted"},
+            "Roll back");
+  }
+  const auto response = connection.ask(&ModelStub::RollBackModel, v1::RollBackModelRequest{});
   return serving_now(session, response.has_model(), response.model());
 }
 
@@ -244,8 +304,10 @@ void add_model_commands(CLI::App& app, Session& session) {
   add_points_command(model, session);
   add_table_command(model, session);
   add_residuals_command(model, session);
-  add_command(model, session, "rollback", "The model that served before serves again",
-              [&session] { return roll_back(session); });
+  CLI::App& rolled =
+      add_command(model, session, "rollback", "The model that served before serves again; asks",
+                  [&session, a] { return roll_back(session, a->yes); });
+  rolled.add_flag("--yes", a->yes, "ask nothing: for scripts");
   add_command(model, session, "history", "Every promotion and rollback",
               [&session] { return history(session); });
   CLI::App& out = add_command(model, session, "export",
