@@ -15,8 +15,13 @@ JobBar::~JobBar() {
 void JobBar::show(const std::string& what, double fraction, const std::string& step) {
   if (console_.json) return;
   if (!console_.err_is_terminal) {
-    if (step != last_ && !step.empty()) console_.err << what << ": " << step << '\n' << std::flush;
-    last_ = step;
+    if (step.empty()) return;
+    const auto now = now_();
+    const std::string work = what + ": " + step.substr(0, step.find(": "));
+    if (work == work_ && now - told_at_ < kBetweenLines) return;
+    work_ = work;
+    told_at_ = now;
+    console_.err << what << ": " << step << '\n' << std::flush;
     return;
   }
   constexpr double kCells = 20;
