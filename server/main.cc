@@ -34,7 +34,6 @@
 #include "server/application/cell/cell.h"
 #include "server/application/manual/manual_control.h"
 #include "server/application/plans/joint_targets.h"
-#include "server/application/recording/usable_devices.h"
 #include "server/application/serving/targets.h"
 #include "server/application/status/overview.h"
 #include "server/application/upkeep/cell_clock.h"
@@ -43,6 +42,7 @@
 #include "server/core/try.h"
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/formats/cell_file/startable_cell.h"
 #include "server/heap_upkeep.h"
 #include "server/kept_stop_file.h"
 #include "server/line/target_line_server.h"
@@ -85,7 +85,6 @@ int exit_code_of(const Error& error) {
 }
 
 Result<application::Devices> make_devices(const CellDescription& cell, DeviceContext context) {
-  DRIFTWISE_RETURN_IF_ERROR(application::check_usable(cell));
   context.shared = std::make_shared<SharedByAddress>();
   application::Devices devices;
   for (const auto& device : cell.devices) {
@@ -382,6 +381,9 @@ void set_up_logging(const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
   auto description = formats::read_cell_file(arguments.cell_file, drivers::all_devices());
+  if (description)
+    if (const auto good = formats::check_startable(*description, arguments.cell_file); !good)
+      description = tl::unexpected(good.error());
   const auto complain = [](const Error& error) {
     std::cerr << "driftwised: " << error.message << " (" << error.reason << ")\n";
     return exit_code_of(error);

@@ -4,6 +4,11 @@
 #include "server/core/ports/made_device.h"
 
 namespace driftwise::device_kind {
+namespace {
+
+constexpr OutputOption kAdapterOutputs[] = {{"channel", "1"}};
+
+}  // namespace
 
 extern const DeviceKind interferometer_adapter;
 const DeviceKind interferometer_adapter{
@@ -14,6 +19,7 @@ const DeviceKind interferometer_adapter{
     .make = [](const DeviceDescription& device,
                const DeviceContext& context) -> Result<MadeDevice> {
       return drivers::make_interferometer_adapter(device, context.executor, context.clock);
-    }};
+    },
+    .output_options = kAdapterOutputs};
 
 }  // namespace driftwise::device_kind

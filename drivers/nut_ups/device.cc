@@ -14,6 +14,8 @@ std::vector<Channel> channels_of_ups(const DeviceDescription& device) {
           {stem + "_runtime", "s"}};
 }
 
+constexpr OutputOption kSupplies[] = {{"ups", "ups"}};
+
 }  // namespace
 
 extern const DeviceKind nut_ups;
@@ -28,6 +30,7 @@ const DeviceKind nut_ups{
       DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
       return std::make_unique<driftwise::nut_ups::NutUps>(device, options, address,
                                                           context.executor, context.clock);
-    }};
+    },
+    .output_options = kSupplies};
 
 }  // namespace driftwise::device_kind

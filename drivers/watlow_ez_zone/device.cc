@@ -4,6 +4,11 @@
 #include "server/core/ports/made_device.h"
 
 namespace driftwise::device_kind {
+namespace {
+
+constexpr OutputOption kLoops[] = {{"unit_id", "1"}, {"zone", "1"}};
+
+}  // namespace
 
 extern const DeviceKind watlow_ez_zone;
 const DeviceKind watlow_ez_zone{.id = "watlow-ez-zone",
@@ -14,6 +19,7 @@ const DeviceKind watlow_ez_zone{.id = "watlow-ez-zone",
                                            const DeviceContext& context) -> Result<MadeDevice> {
                                   return drivers::make_watlow_ez_zone(device, context.executor,
                                                                       context.clock);
-                                }};
+                                },
+                                .output_options = kLoops};
 
 }  // namespace driftwise::device_kind

@@ -162,6 +162,7 @@ inline constexpr Reason kDuplicateChannel{"DUPLICATE_CHANNEL", Recovery::by_code
 inline constexpr Reason kDuplicateColumn{"DUPLICATE_COLUMN", Recovery::by_code};
 inline constexpr Reason kDuplicateId{"DUPLICATE_ID", Recovery::by_code};
 inline constexpr Reason kDuplicateName{"DUPLICATE_NAME", Recovery::by_code};
+inline constexpr Reason kDuplicateOutput{"DUPLICATE_OUTPUT", Recovery::by_code};
 inline constexpr Reason kDuplicateRun{"DUPLICATE_RUN", Recovery::by_code};
 inline constexpr Reason kEmptyFile{"EMPTY_FILE", Recovery::by_code};
 inline constexpr Reason kEmptyFormula{"EMPTY_FORMULA", Recovery::by_code};
@@ -275,6 +276,7 @@ inline constexpr Reason kNoForceWanted{"NO_FORCE_WANTED", Recovery::by_code};
 inline constexpr Reason kNoFormula{"NO_FORMULA", Recovery::by_code};
 inline constexpr Reason kNoHeader{"NO_HEADER", Recovery::by_code};
 inline constexpr Reason kNoIdentity{"NO_IDENTITY", Recovery::by_code};
+inline constexpr Reason kNoInstrument{"NO_INSTRUMENT", Recovery::by_code};
 inline constexpr Reason kNoKinematics{"NO_KINEMATICS", Recovery::by_code};
 inline constexpr Reason kNoLength{"NO_LENGTH", Recovery::by_code};
 inline constexpr Reason kNoLines{"NO_LINES", Recovery::by_code};

@@ -16,6 +16,11 @@ namespace driftwise {
 struct DeviceContext;
 struct MadeDevice;
 
+// An option that chooses one of the outputs at a device's address, and its value when it is absent.
+struct OutputOption {
+  std::string_view name, preset;
+};
+
 struct DeviceKind {
   std::string_view id;  // as [[device]] kind names it: "pi-gcs"
   DeviceRole role;
@@ -26,6 +31,7 @@ struct DeviceKind {
   // The driver behind the role's port. Connects in prepare() or the first call, not here.
   // Errors: invalid_argument naming the option or the key.
   Result<MadeDevice> (*make)(const DeviceDescription& device, const DeviceContext& context);
+  std::span<const OutputOption> output_options = {};
 };
 
 // In the order in which messages name them.

@@ -37,7 +37,7 @@ void read_axis(SettingsReader& reader, AxisDescription& out) {
 
 void read_probe(SettingsReader& reader, ProbeDescription& out) {
   reader.channel("channel", out.channel, Need::required);
-  reader.integer("input", out.input, 1, 9999, Need::required);
+  reader.integer("input", out.input, 101, 599, Need::required);
   reader.number("r0_ohm", out.r0_ohm, {.min = 0, .above_min = true});
   reader.number("a_per_degc", out.a_per_degc, {.min = 0, .max = 0.1, .above_min = true});
   reader.number("b_per_degc2", out.b_per_degc2, {.min = -1e-3, .max = 0});

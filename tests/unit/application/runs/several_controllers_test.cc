@@ -1,18 +1,12 @@
-// What a cell file may describe and a daemon cannot use yet, and a bench that holds it all the
-// same.
+// A bench with a second controller, which no [[robot]] names.
 
-#include "server/application/recording/usable_devices.h"
-
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
 namespace {
-
-using application::check_usable;
-using testing::HasSubstr;
 
 // A controller whose axis stands still.
 class StillController final : public MotionController {
@@ -45,30 +39,6 @@ DeviceDescription controller_of(const std::string& id, const std::string& channe
   device.kind = "pi-gcs";
   device.become<MotionSettings>().axes = {{{channel_symbol, "mm"}, "X", -1, 1, 0}};
   return device;
-}
-
-TEST(UsableDevices, MoveRobotsThatEachControllerIsNamedBy) {
-  CellDescription cell;
-  cell.name = "two";
-  cell.devices = {controller_of("gantry", "ma.q1"), controller_of("hexapod", "mn.q1")};
-  cell.robots = {{.id = "ma", .controller = "gantry", .axes = {}, .tool = {}, .kinematics = {}},
-                 {.id = "mn", .controller = "hexapod", .axes = {}, .tool = {}, .kinematics = {}}};
-  EXPECT_TRUE(check_usable(cell));
-  cell.robots.pop_back();
-  const auto refused = check_usable(cell);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().reason, "TWO_CONTROLLERS");
-  EXPECT_THAT(refused.error().message, HasSubstr("device 'hexapod'"));
-}
-
-TEST(UsableDevices, NeedOneController) {
-  CellDescription cell;
-  cell.name = "none";
-  EXPECT_EQ(check_usable(cell).error().reason, "NO_CONTROLLER");
-  cell.devices = {controller_of("a", "q1")};
-  EXPECT_TRUE(check_usable(cell));
-  cell.devices.push_back(controller_of("b", "q2"));
-  EXPECT_EQ(check_usable(cell).error().reason, "TWO_CONTROLLERS");
 }
 
 TEST(SeveralControllers, AreHeldShownAndStopped) {

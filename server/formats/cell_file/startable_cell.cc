@@ -1,0 +1,235 @@
+#include "server/formats/cell_file/startable_cell.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "server/core/reasons.h"
+#include "server/formats/text/text.h"
+#include "server/formats/text/toml_reader.h"
+
+namespace driftwise::formats {
+namespace {
+
+std::vector<std::size_t> with_role(const CellDescription& cell, DeviceRole role) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < cell.devices.size(); ++i)
+    if (cell.devices[i].role() == role) found.push_back(i);
+  return found;
+}
+
+// "\"interferometer-adapter\" or \"newport-lds1000\""
+template <class Takes>
+std::string kinds_that(const CellDescription& cell, Takes takes) {
+  std::string text;
+  for (const auto* kind : cell.kinds)
+    if (takes(kind->role)) text += (text.empty() ? "" : " or ") + shown(kind->id);
+  return text;
+}
+
+// A setup reads only the instruments that it names, so one may stand at another place in each.
+bool share_no_setup(const CellDescription& cell, const DeviceDescription& one,
+                    const DeviceDescription& other) {
+  if (cell.setups.empty() || !measures_pose(one.role()) || !measures_pose(other.role()))
+    return false;
+  const auto names = [](const SetupDescription& setup, const std::string& id) {
+    return std::ranges::find(setup.coordinates, id, &SetupCoordinate::device) !=
+               setup.coordinates.end() ||
+           std::ranges::find(setup.confirmations, id, &SetupConfirmation::device) !=
+               setup.confirmations.end();
+  };
+  return std::ranges::none_of(cell.setups, [&](const SetupDescription& setup) {
+    return names(setup, one.id) && names(setup, other.id);
+  });
+}
+
+std::string option_of(const DeviceDescription& device, const OutputOption& option) {
+  const auto stated = device.options.find(std::string(option.name));
+  return stated == device.options.end() ? std::string(option.preset) : stated->second;
+}
+
+class StartCheck {
+ public:
+  StartCheck(const CellDescription& cell, const toml::table& root, TomlProblem& problem)
+      : cell_(cell),
+        problem_(problem),
+        top_(root, "", problem),
+        devices_(top_.tables("device")),
+        robots_(top_.tables("robot")) {
+    if (const auto* kinematics = top_.table("kinematics")) kinematics_ = kinematics;
+  }
+
+  void check() {
+    check_roles();
+    for (std::size_t i = 0; i < devices_.size() && i < cell_.devices.size(); ++i) check_outputs(i);
+    if (kinematics_ != nullptr && cell_.kinematics)
+      check_poses(*kinematics_, "kinematics", *cell_.kinematics, "");
+    for (std::size_t i = 0; i < robots_.size() && i < cell_.robots.size(); ++i) {
+      const auto* table = (*robots_[i])["kinematics"].as_table();
+      if (table != nullptr && cell_.robots[i].kinematics)
+        check_poses(*table, "robot " + std::to_string(i + 1) + ", kinematics",
+                    *cell_.robots[i].kinematics,
+                    cell_.has_several_robots() ? cell_.robots[i].id + "." : "");
+    }
+  }
+
+ private:
+  struct Giver {
+    std::size_t device;
+    std::string channel;
+  };
+
+  std::string place_of(std::size_t device) const { return "device " + std::to_string(device + 1); }
+
+  void refuse_device(std::size_t device, const char* key, Reason reason,
+                     const std::string& sentence) {
+    if (device < devices_.size())
+      TomlReader(*devices_[device], place_of(device), problem_).refuse(key, reason, sentence);
+  }
+
+  void check_roles() {
+    const auto controllers = with_role(cell_, DeviceRole::motion);
+    const auto is_motion = [](DeviceRole role) { return role == DeviceRole::motion; };
+    if (controllers.empty())
+      top_.refuse("device", reasons::kNoController,
+                  "found no motion controller, expected a [[device]] of kind " +
+                      kinds_that(cell_, is_motion) + ": it moves the axes");
+    for (const auto i : controllers)
+      if (controllers.size() > 1 &&
+          std::ranges::find(cell_.robots, cell_.devices[i].id, &RobotDescription::controller) ==
+              cell_.robots.end())
+        refuse_device(i, "id", reasons::kTwoControllers,
+                      "found " + shown(cell_.devices[i].id) + ", one of " +
+                          std::to_string(controllers.size()) +
+                          " motion controllers, which no [[robot]] names, expected a [[robot]] "
+                          "with its controller for each");
+    if (std::ranges::none_of(cell_.devices, [](const auto& d) { return measures_pose(d.role()); }))
+      top_.refuse("device", reasons::kNoInstrument,
+                  "found no instrument that measures the pose, expected a [[device]] of kind " +
+                      kinds_that(cell_, measures_pose) + ": a run has nothing to read");
+    if (const auto loads = with_role(cell_, DeviceRole::load); loads.size() > 1)
+      refuse_device(loads[1], "kind", reasons::kTwoLoads,
+                    "found " + shown(cell_.devices[loads[1]].kind) +
+                        ", which is a second load actuator, expected one in a cell");
+    for (const auto i : with_role(cell_, DeviceRole::probe))
+      refuse_device(i, "kind", reasons::kRoleNotUsed,
+                    "found " + shown(cell_.devices[i].kind) +
+                        ", a touch probe, which nothing in this version reads: leave the device "
+                        "out of the cell file");
+  }
+
+  // output: of the device at its place, "" for a device with one; channel: what it becomes here.
+  void take(std::size_t device, TomlReader reader, const char* key, const std::string& output,
+            const std::string& found, const std::string& channel) {
+    const auto& one = cell_.devices[device];
+    auto& givers = taken_[place_text(one) + "\n" + output];
+    for (const auto& giver : givers) {
+      const auto& other = cell_.devices[giver.device];
+      if (giver.device != device && share_no_setup(cell_, one, other)) continue;
+      reader.refuse(key, reasons::kDuplicateOutput,
+                    "found " + found + ", which is " + shown(giver.channel) +
+                        (giver.device == device ? "" : " of device " + shown(other.id)) +
+                        " already: " + shown(channel) +
+                        " would be the same one, expected an output of its own");
+    }
+    givers.push_back({device, channel});
+  }
+
+  // Kind, address and the options that choose among the outputs there.
+  std::string place_text(const DeviceDescription& device) const {
+    std::string text = device.kind + "\n" + device.address;
+    if (const auto* kind = find_kind(cell_.kinds, device.kind))
+      for (const auto& option : kind->output_options) text += "\n" + option_of(device, option);
+    return text;
+  }
+
+  std::string found_address(const DeviceDescription& device) const {
+    std::string text = shown(device.address);
+    if (const auto* kind = find_kind(cell_.kinds, device.kind))
+      for (const auto& option : kind->output_options)
+        text += ", " + std::string(option.name) + " " + option_of(device, option);
+    return text;
+  }
+
+  void check_outputs(std::size_t i) {
+    const auto& device = cell_.devices[i];
+    TomlReader reader(*devices_[i], place_of(i), problem_);
+    bool has_parts = false;
+    const auto each = [&](const char* key, const char* choice, const auto& parts, auto output,
+                          auto channel) {
+      const auto tables = reader.tables(key);
+      for (std::size_t k = 0; k < tables.size() && k < parts.size(); ++k) {
+        has_parts = true;
+        const std::string text = output(parts[k]);
+        take(i,
+             TomlReader(*tables[k], place_of(i) + ", " + key + " " + std::to_string(k + 1),
+                        problem_),
+             choice, text, text + " at " + found_address(device), channel(parts[k]));
+      }
+    };
+    const auto name = [](const auto& part) { return part.channel.name(); };
+    const auto input = [](const auto& part) { return std::to_string(part.input); };
+    each(
+        "axis", "device_axis", device.axes(), [](const auto& axis) { return axis.device_axis; },
+        name);
+    each(
+        "angle", "device_axis", device.angles(),
+        [](const auto& angle) { return std::to_string(angle.device_axis); }, name);
+    each("probe", "input", device.probes(), input, name);
+    each("sensor", "input", device.voltages.sensors, input, [&](const auto& sensor) {
+      return sensor.channel.symbol.empty() ? device.id : sensor.channel.name();
+    });
+    if (!has_parts)
+      take(i, reader, "address", "", found_address(device),
+           device.channels.empty() ? device.id : device.channels.front().name());
+  }
+
+  void check_poses(const toml::table& table, const std::string& place,
+                   const KinematicsDescription& kinematics, const std::string& robot) {
+    std::set<std::string> measured;
+    for (const auto& device : cell_.devices) {
+      if (const auto* length = device.length()) measured.insert(length->channel.name());
+      for (const auto& angle : device.angles()) measured.insert(angle.channel.name());
+    }
+    TomlReader reader(table, place, problem_);
+    const auto axes = reader.tables("axis");
+    for (std::size_t k = 0; k < axes.size() && k < kinematics.axes.size(); ++k) {
+      const std::string pose = robot + kinematics.axes[k].pose.name();
+      if (measured.contains(pose)) continue;
+      std::string names;
+      for (const auto& one : measured) names += (names.empty() ? "" : ", ") + one;
+      TomlReader(*axes[k], place + ", axis " + std::to_string(k + 1), problem_)
+          .refuse("pose", reasons::kNotMeasured,
+                  "found " + shown(pose) +
+                      ", which no device of this cell measures, expected one "
+                      "of " +
+                      names + ": the geometry would test no reading");
+    }
+  }
+
+  const CellDescription& cell_;
+  TomlProblem& problem_;
+  TomlReader top_;
+  std::vector<const toml::table*> devices_, robots_;
+  const toml::table* kinematics_ = nullptr;
+  std::map<std::string, std::vector<Giver>> taken_;
+};
+
+}  // namespace
+
+Result<void> check_startable(const CellDescription& cell, const std::string& path) {
+  TomlProblem problem{.file_name = path, .first = {}};
+  try {
+    const auto root = toml::parse(cell.text, path);
+    StartCheck(cell, root, problem).check();
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
+                at_line(path, error.source().begin.line) + std::string(error.description()));
+  }
+  if (problem.any()) return tl::unexpected(*problem.first);
+  return {};
+}
+
+}  // namespace driftwise::formats

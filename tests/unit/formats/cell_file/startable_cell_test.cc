@@ -1,0 +1,137 @@
+#include "server/formats/cell_file/startable_cell.h"
+
+#include <gmock/gmock.h>
+
+#include "drivers/all_devices.h"
+#include "server/core/try.h"
+#include "server/formats/cell_file/cell_file.h"
+
+namespace driftwise::formats {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::string kHead = "[cell]\nname = \"small\"\ndatabase = \"cell.db\"\n";
+
+std::string device(const std::string& id, const std::string& kind, const std::string& address) {
+  return "[[device]]\nid = \"" + id + "\"\nkind = \"" + kind + "\"\naddress = \"" + address +
+         "\"\n";
+}
+
+std::string axis(const std::string& channel, const std::string& name) {
+  return "[[device.axis]]\nchannel = \"" + channel + "\"\ndevice_axis = \"" + name +
+         "\"\nmin_mm = -5\nmax_mm = 5\n";
+}
+
+std::string laser(const std::string& id, const std::string& length, const std::string& options,
+                  const std::string& address = "10.0.0.2:4000") {
+  return device(id, "interferometer-adapter", address) + "length = \"" + length + "\"\n" +
+         (options.empty() ? "" : "options = { " + options + " }\n");
+}
+
+const std::string kAxis = device("axis", "pi-gcs", "10.0.0.1:5000") + axis("q1_mm", "X");
+const std::string kLaser = laser("laser-x", "x_mm", "channel = 1");
+
+Result<void> start_of(const std::string& text) {
+  DRIFTWISE_TRY(const auto cell, parse_cell_file(text, "cell.toml", drivers::all_devices()));
+  return check_startable(cell, "cell.toml");
+}
+
+Error refusal_of(const std::string& text) {
+  const auto start = start_of(text);
+  return start ? Error{ErrorCode::internal, "ACCEPTED", text} : start.error();
+}
+
+TEST(StartableCell, HasAControllerAndAnInstrumentOfThePose) {
+  EXPECT_TRUE(start_of(kHead + kAxis + kLaser));
+
+  const auto no_motion = refusal_of(kHead + kLaser);
+  EXPECT_EQ(no_motion.reason, "NO_CONTROLLER");
+  EXPECT_THAT(no_motion.message, StartsWith("cell.toml:4: device: found no motion controller"));
+  EXPECT_THAT(no_motion.message, HasSubstr("kind 'pi-gcs'"));
+
+  const auto no_length = refusal_of(kHead + kAxis);
+  EXPECT_EQ(no_length.reason, "NO_INSTRUMENT");
+  EXPECT_THAT(no_length.message, StartsWith("cell.toml:4: device: found no instrument"));
+  EXPECT_THAT(no_length.message, HasSubstr("'interferometer-adapter'"));
+}
+
+TEST(StartableCell, NamesARobotForEachOfSeveralControllers) {
+  const auto second = device("hexapod", "pi-gcs", "10.0.0.9:5000") + axis("q2_mm", "X");
+  const auto refused = refusal_of(kHead + kAxis + second + kLaser);
+  EXPECT_EQ(refused.reason, "TWO_CONTROLLERS");
+  EXPECT_THAT(refused.message, StartsWith("cell.toml:5: device 1: id: found 'axis'"));
+}
+
+TEST(StartableCell, ReadsAnInterferometerAsOneCoordinateOnly) {
+  const auto refused = refusal_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", ""));
+  EXPECT_EQ(refused.reason, "DUPLICATE_OUTPUT");
+  EXPECT_EQ(refused.message,
+            "cell.toml:22: device 3: address: found '10.0.0.2:4000', channel 1, which is "
+            "'x_mm' of device 'laser-x' already: 'y_mm' would be the same one, expected an "
+            "output of its own");
+  EXPECT_TRUE(start_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", "channel = 2")));
+  EXPECT_TRUE(start_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", "", "10.0.0.3:4000")));
+}
+
+// A person carries the laser from one beam to the other between the two set-ups.
+TEST(StartableCell, MayPlaceOneInstrumentElsewhereInAnotherSetup) {
+  const auto setup = [](const std::string& length, const std::string& id) {
+    return "[[setup]]\nname = \"" + length + "\"\n[[setup.coordinate]]\nchannel = \"" + length +
+           "\"\ndevice = \"" + id + "\"\n";
+  };
+  const auto cell = kHead + kAxis + kLaser + laser("laser-y", "y_mm", "");
+  EXPECT_TRUE(start_of(cell + setup("x_mm", "laser-x") + setup("y_mm", "laser-y")));
+  EXPECT_EQ(refusal_of(cell + setup("x_mm", "laser-x") +
+                       "[[setup.coordinate]]\nchannel = \"y_mm\"\ndevice = \"laser-y\"\n")
+                .reason,
+            "DUPLICATE_OUTPUT");
+}
+
+TEST(StartableCell, MovesEachAxisOfAControllerByOneCoordinate) {
+  const auto refused = refusal_of(kHead + kAxis + axis("q2_mm", "X") + kLaser);
+  EXPECT_EQ(refused.reason, "DUPLICATE_OUTPUT");
+  EXPECT_THAT(refused.message, StartsWith("cell.toml:15: device 1, axis 2: device_axis: found X at "
+                                          "'10.0.0.1:5000', which is 'q1_mm' already: 'q2_mm'"));
+  EXPECT_TRUE(start_of(kHead + kAxis + axis("q2_mm", "Y") + kLaser));
+}
+
+TEST(StartableCell, ReadsEachInputOfAScannerOnceAndInItsRange) {
+  const auto probe = [](const std::string& channel, const std::string& input) {
+    return "[[device.probe]]\nchannel = \"" + channel + "\"\ninput = " + input +
+           "\npart = \"robot\"\n";
+  };
+  const auto scanner = [&](const std::string& id, const std::string& channel) {
+    return device(id, "keithley-2701", "10.0.0.4:1394") + probe(channel, "101");
+  };
+  const auto twice =
+      refusal_of(kHead + kAxis + kLaser + scanner("a", "t01_degC") + scanner("b", "t02_degC"));
+  EXPECT_EQ(twice.reason, "DUPLICATE_OUTPUT");
+  EXPECT_THAT(twice.message, HasSubstr("device 4, probe 1: input: found 101 at '10.0.0.4:1394', "
+                                       "which is 't01_degC' of device 'a' already"));
+
+  const auto range =
+      refusal_of(kHead + kAxis + kLaser + device("a", "keithley-2701", "10.0.0.4:1394") +
+                 probe("t01_degC", "1"));
+  EXPECT_EQ(range.reason, "OUT_OF_RANGE");
+  EXPECT_THAT(range.message,
+              StartsWith("cell.toml:25: device 3, probe 1: input: found 1, expected"));
+}
+
+TEST(StartableCell, MeasuresThePoseOfEachLinearAxis) {
+  const auto geometry = [](const std::string& pose) {
+    return "[kinematics]\nkind = \"linear-axis\"\n[[kinematics.axis]]\nmotor = \"q1_mm\"\npose = "
+           "\"" +
+           pose + "\"\n";
+  };
+  EXPECT_TRUE(start_of(kHead + kAxis + kLaser + geometry("x_mm")));
+  const auto refused = refusal_of(kHead + kAxis + kLaser + geometry("y_mm"));
+  EXPECT_EQ(refused.reason, "NOT_MEASURED");
+  EXPECT_THAT(refused.message,
+              StartsWith("cell.toml:23: kinematics, axis 1: pose: found 'y_mm', which no device of "
+                         "this cell measures, expected one of x_mm"));
+}
+
+}  // namespace
+}  // namespace driftwise::formats
