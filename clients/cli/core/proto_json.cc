@@ -47,6 +47,9 @@ Json value_json(const Message& message, const FieldDescriptor* field, int index)
     case FieldDescriptor::CPPTYPE_DOUBLE:
       return number(repeated ? r.GetRepeatedDouble(message, field, index)
                              : r.GetDouble(message, field));
+    case FieldDescriptor::CPPTYPE_FLOAT:
+      return number(repeated ? r.GetRepeatedFloat(message, field, index)
+                             : r.GetFloat(message, field));
     case FieldDescriptor::CPPTYPE_BOOL:
       return repeated ? r.GetRepeatedBool(message, field, index) : r.GetBool(message, field);
     case FieldDescriptor::CPPTYPE_STRING:

@@ -1,8 +1,11 @@
 #include "server/application/look_back/compared_run.h"
 
 #include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
 
-#include "server/stability/drift.h"
+#include "server/application/motion/datum_opening.h"
 
 namespace driftwise::application {
 namespace {
@@ -22,16 +25,27 @@ void thin(ComparedSeries& series) {
   series.hours.resize(kept);
 }
 
+// Slope of the least-squares line. None: fewer than 3 values, or all at one time.
+std::optional<double> rate_of_line(const ComparedSeries& series) {
+  const auto n = static_cast<double>(series.hours.size());
+  if (n < 3) return std::nullopt;
+  const double middle_h = std::accumulate(series.hours.begin(), series.hours.end(), 0.0) / n;
+  double spread = 0, product = 0;
+  for (std::size_t i = 0; i < series.hours.size(); ++i) {
+    const double hours = series.hours[i] - middle_h;
+    spread += hours * hours;
+    product += hours * series.values[i];
+  }
+  return spread > 0 ? std::optional(product / spread) : std::nullopt;
+}
+
 void finish(ComparedSeries series, std::vector<ComparedSeries>& into) {
   if (series.values.empty()) return;
   const auto [low, high] = std::minmax_element(series.values.begin(), series.values.end());
   series.range = *high - *low;
   for (const double value : series.values)
     series.mean += value / static_cast<double>(series.values.size());
-  std::vector<double> time_s;
-  for (const double hours : series.hours) time_s.push_back(3600 * hours);
-  if (const auto drift = stability::drift_of(time_s, series.values))
-    series.rate_per_h = drift->rate_per_h;
+  series.rate_per_h = rate_of_line(series);
   thin(series);
   into.push_back(std::move(series));
 }
@@ -41,10 +55,42 @@ bool is_length_unit(const Channel& channel) { return channel.unit == "mm"; }
 // std columns of a run's points carry a unit of their own and no pose symbol.
 bool is_pose(const Channel& channel) { return is_pose_symbol(channel.symbol); }
 
+bool is_motor(const Channel& channel) { return is_motor_symbol(without_robot(channel.symbol)); }
+
+// Way of the one axis from its datum's zero, mm, row by row. With one axis and one length the axis'
+// own holding error is no error of the return; with several the geometry decides what it moves.
+class WayOfAxis {
+ public:
+  WayOfAxis(const Dataset& data, std::span<const DatumRecord> datums) : data_(data) {
+    int lengths = 0, motors = 0;
+    for (const auto& column : data.columns) {
+      if (is_pose(column.channel) && is_length_unit(column.channel)) ++lengths;
+      if (!is_motor(column.channel)) continue;
+      ++motors;
+      axis_ = &column;
+    }
+    if (lengths != 1 || motors != 1) axis_ = nullptr;
+    for (const auto& datum : datums)
+      if (const double* zero = axis_ ? find_value(datum.values, axis_->channel.name()) : nullptr)
+        zero_of_[datum.id.value] = *zero;
+  }
+  double at(std::size_t row) const {
+    if (axis_ == nullptr) return 0;
+    const auto zero = data_.datum.empty() ? zero_of_.end() : zero_of_.find(data_.datum[row]);
+    return axis_->values[row] - (zero == zero_of_.end() ? 0 : zero->second);
+  }
+
+ private:
+  const Dataset& data_;
+  const DatasetColumn* axis_ = nullptr;
+  std::map<std::int64_t, double> zero_of_;
+};
+
 }  // namespace
 
-void add_measured(const Dataset& data, ComparedRun& out) {
+void add_measured(const Dataset& data, std::span<const DatumRecord> datums, ComparedRun& out) {
   if (data.time_s.empty()) return;
+  const WayOfAxis way(data, datums);
   for (const auto& column : data.columns) {
     const bool pose = is_pose(column.channel);
     const bool temperature = column.channel.unit == "degC";
@@ -56,7 +102,8 @@ void add_measured(const Dataset& data, ComparedRun& out) {
     double first = kMissing;
     for (std::size_t row = 0; row < data.rows; ++row) {
       if (pose && (data.zero.empty() || data.zero[row] == 0)) continue;
-      const double value = column.values[row];
+      const bool is_length = pose && is_length_unit(column.channel);
+      const double value = column.values[row] - (is_length ? way.at(row) : 0);
       if (is_missing(value)) continue;
       if (is_missing(first)) first = value;
       series.hours.push_back((data.time_s[row] - data.time_s.front()) / 3600);

@@ -48,8 +48,9 @@ Result<std::vector<RecordedSeries>> read_channel(Store& store, const std::string
   return recorded_series(store, device, {channel}, from, to);
 }
 
-ComparedRun with_measured(ComparedRun& run, const Dataset& data) {
-  add_measured(data, run);
+ComparedRun with_measured(ComparedRun& run, const Dataset& data,
+                          const std::vector<DatumRecord>& datums) {
+  add_measured(data, datums, run);
   return run;
 }
 
@@ -113,7 +114,9 @@ Awaitable<Result<std::vector<ComparedRun>>> LookBackService::compare(std::vector
     std::string no_text;
     auto loading = datasets_.load(only, no_text);
     DRIFTWISE_CO_TRY(auto data, co_await std::move(loading));
-    one = co_await run_on(worker_, with_measured, std::move(one), std::move(data));
+    DRIFTWISE_CO_TRY(auto datums, co_await reader_.points().data(id));
+    one =
+        co_await run_on(worker_, with_measured, std::move(one), std::move(data), std::move(datums));
     if (model) {
       auto asking = models_.residuals(*model, only, no_text);
       const auto residuals = co_await std::move(asking);
