@@ -39,6 +39,8 @@ std::string flag_text(v1::Target::Flag flag, const v1::Target& target) {
       return with_names("UNKNOWN_LIMITS", without_unit(target.unlimited_channels()));
     case v1::Target::FLAG_IGNORED_COORDINATE:
       return with_names("IGNORED_COORDINATE", target.ignored_channels());
+    case v1::Target::FLAG_ZERO_OUTSIDE_DOMAIN:
+      return with_names("ZERO_OUTSIDE_DOMAIN", target.zero_outside_channels());
     default: {
       constexpr std::string_view kPrefix = "FLAG_";
       const std::string name = v1::Target::Flag_Name(flag);

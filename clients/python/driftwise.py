@@ -51,7 +51,8 @@ _MESSAGES: Dict[str, List[Tuple[str, int, str]]] = {
                ("conditions_time", 3, "google.protobuf.Timestamp"), ("valid_until_time", 4, "google.protobuf.Timestamp"),
                ("flags", 5, "*int32"), ("outside_channels", 6, "*string"), ("stale_channels", 7, "*string"),
                ("missing_channels", 8, "*string"), ("unreachable_channels", 9, "*string"),
-               ("unlimited_channels", 10, "*string"), ("ignored_channels", 11, "*string")],
+               ("unlimited_channels", 10, "*string"), ("ignored_channels", 11, "*string"),
+               ("zero_outside_channels", 12, "*string")],
     "StopAllRequest": [],
     "StopAllResponse": [("confirmed", 1, "bool"), ("message", 2, "string")],
     "GetIdentityRequest": [],
@@ -65,7 +66,8 @@ _FLAGS = {1: ("OUTSIDE_DOMAIN", "outside_channels"), 2: ("STALE_TEMPERATURE", "s
           3: ("MISSING_TEMPERATURE", "missing_channels"), 4: ("EXPIRED_CONDITIONS", None),
           5: ("UNANCHORED_DATUM", None), 6: ("OUTSIDE_LIMITS", "unreachable_channels"),
           7: ("UNKNOWN_LIMITS", "unlimited_channels"), 8: ("IGNORED_COORDINATE", "ignored_channels"),
-          9: ("CONFIGURATION_CHANGED", None)}
+          9: ("CONFIGURATION_CHANGED", None), 10: ("UNJUDGED_MODEL", None),
+          11: ("ZERO_OUTSIDE_DOMAIN", "zero_outside_channels")}
 _ROLES = {1: "viewer", 2: "controller", 3: "operator", 4: "engineer", 5: "admin"}
 _PACKAGE = "driftwise.client.v1"  # another name than the daemon's: generated classes may be loaded beside these
 

@@ -20,6 +20,13 @@ constexpr std::array<Name, kVariables> kNames = {{{"x", "mm", "x_mm"},
 
 }  // namespace
 
+double excess_of(double min, double max, double value) {
+  const double beyond = std::max(min - value, value - max);
+  if (!(beyond > 0)) return 0;
+  const double half_width = 0.5 * (max - min);
+  return half_width > 0 ? beyond / half_width : 1.0;
+}
+
 std::optional<Variable> variable_from(std::string_view symbol) {
   const auto found = std::ranges::find(kNames, symbol, &Name::symbol);
   if (found == kNames.end()) return std::nullopt;

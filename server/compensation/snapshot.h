@@ -62,6 +62,9 @@ enum class UncertaintySource : std::uint8_t {
 constexpr std::size_t kUncertaintySources = 12;
 std::string_view to_string(UncertaintySource source);
 
+// How far a value lies outside a domain, in half widths of it; 0 inside. A domain without width: 1.
+double excess_of(double min, double max, double value);
+
 class GeometryLaw;  // geometry_law.h
 
 // A model's own geometry at the present conditions; its motor coordinates add to the polynomial's.
@@ -130,6 +133,10 @@ struct Snapshot {
   std::uint64_t outside = 0, stale = 0, missing = 0;
   std::uint32_t unlimited = 0;  // a bit per output without known soft limits
   double slow_excess = 0;       // see extrapolation_factor in target.cc
+  // Of the zero of a carried datum: inputs outside the domain at pose 0 under the conditions then,
+  // and the largest excess of them. A target is a difference of the model from there.
+  std::uint64_t zero_outside = 0;
+  double zero_excess = 0;
   bool anchored = true;
   bool refuse_stale = false, refuse_outside_domain = false, refuse_outside_limits = true;
   // The cell file has changed, and nobody has answered yet. changed_parts: changes in what this

@@ -47,6 +47,16 @@ std::array<double, kVariables> SnapshotBuilder::pose_at_zero(
   return shift;
 }
 
+std::vector<double> SnapshotBuilder::excess_at_zero(double force,
+                                                    const std::vector<double>& channels) const {
+  std::vector<double> excess;
+  for (const auto& fast : fast_inputs_)  // a pose counts from the zero: 0 there
+    excess.push_back(excess_of(fast.min, fast.max, fast.variable == Variable::force ? force : 0.0));
+  for (std::size_t j = 0; j < channels.size(); ++j)
+    excess.push_back(excess_of(slow_inputs_[j].min, slow_inputs_[j].max, channels[j]));
+  return excess;
+}
+
 Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   if (law_ && law_->absolute()) return {};
   const auto find = [&](const std::string& name) {
@@ -71,11 +81,13 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
     if (is_missing(calls[i]))
       return incomplete("history of " + slow_.channels()[slow_.channels_of_call(i).front()].name());
   std::array<double, kVariables> pose{};  // zeroed here, so all 0 but the force
+  double force_n = 0;
   if (basis_.needed() & bit(Variable::force)) {
     const auto force = find(channel_of(Variable::force).name());
     if (!force) return incomplete(channel_of(Variable::force).name());
+    force_n = *force;
     pose[static_cast<std::size_t>(Variable::force)] =
-        *force * column_per_unit_[static_cast<std::size_t>(Variable::force)];
+        force_n * column_per_unit_[static_cast<std::size_t>(Variable::force)];
   }
   std::vector<double> q_mm;
   for (const auto& output : outputs_) {
@@ -103,6 +115,7 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
     data.push_back(std::move(datum));
   }
   datum_ = std::move(data);
+  zero_excess_ = excess_at_zero(force_n, channels);
   column_shift_ = shift;
   anchored_ = true;
   return {};
@@ -110,6 +123,7 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
 
 void SnapshotBuilder::keep_model_datum() {
   datum_.clear();
+  zero_excess_.clear();
   column_shift_ = {};
   anchored_ = true;
 }

@@ -254,6 +254,10 @@ Snapshot SnapshotBuilder::build(CellTime now) const {
   snapshot.refuse_stale = rules_.refuse_stale;
   snapshot.refuse_outside_domain = rules_.refuse_outside_domain;
   const Conditions conditions = look_at_inputs(now, snapshot);
+  for (std::size_t i = 0; i < zero_excess_.size(); ++i) {
+    if (zero_excess_[i] > 0) snapshot.zero_outside |= std::uint64_t{1} << i;
+    snapshot.zero_excess = std::max(snapshot.zero_excess, zero_excess_[i]);
+  }
   snapshot.refuse_outside_limits = rules_.refuse_outside_limits;
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     snapshot.outputs.push_back(fold(i, conditions));
@@ -316,12 +320,9 @@ SnapshotBuilder::Conditions SnapshotBuilder::look_at_inputs(CellTime now,
     if (stale) snapshot.stale |= mark;
     if (!missing && !stale)
       snapshot.valid_until = std::min(snapshot.valid_until, latest.at + max_age);
-    if (value < range.min || value > range.max) {
+    if (const double excess = excess_of(range.min, range.max, value); excess > 0) {
       snapshot.outside |= mark;
-      const double half_width = 0.5 * (range.max - range.min);
-      const double beyond = std::max(range.min - value, value - range.max);
-      snapshot.slow_excess =
-          std::max(snapshot.slow_excess, half_width > 0 ? beyond / half_width : 1.0);
+      snapshot.slow_excess = std::max(snapshot.slow_excess, excess);
     }
     snapshot.inputs.push_back({.channel = slow_.channels()[j],
                                .variable = {},

@@ -128,6 +128,8 @@ class SnapshotBuilder {
   // Of the model; infinite where a geometry has none of it.
   calibration::ChannelRange range_of(const Channel& channel) const;
   Conditions look_at_inputs(CellTime now, Snapshot& snapshot) const;
+  // How far each input lies outside its domain at the zero, in the order of Snapshot::inputs.
+  std::vector<double> excess_at_zero(double force, const std::vector<double>& channels) const;
   Snapshot::Output fold(std::size_t output, const Conditions& conditions) const;
 
   calibration::Model model_;
@@ -141,6 +143,7 @@ class SnapshotBuilder {
   std::array<double, kVariables> column_per_unit_{}, column_shift_{};
   std::vector<SlowInput> slow_inputs_;
   std::vector<Datum> datum_;                // one per output when anchored
+  std::vector<double> zero_excess_;         // of that zero, by input
   std::shared_ptr<const GeometryLaw> law_;  // none: terms alone
   std::vector<double> standing_;            // motor coordinates as last read, one per output
   bool anchored_ = false;

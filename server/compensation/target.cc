@@ -17,12 +17,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// How far a value lies outside [min, max], in half widths of it; 0 inside.
 double excess(const Snapshot::Input& input, double value) {
-  const double beyond = std::max(input.min - value, value - input.max);
-  if (!(beyond > 0)) return 0;
-  const double half_width = 0.5 * (input.max - input.min);
-  return half_width > 0 ? beyond / half_width : 1.0;
+  return excess_of(input.min, input.max, value);
 }
 
 // Outside the domain nothing measured says how wrong the model is. By convention the uncertainty
@@ -61,9 +57,11 @@ void refuse(Target& target, Refusal refusal) {
   target.u_nm.fill(kNan);
 }
 
-// The fast inputs stand first. Sets the outside bits, and returns the largest excess of all inputs.
+// The fast inputs stand first. Sets the outside bits, and returns the largest excess of all inputs,
+// at the pose and at the datum's zero: a target is the difference of the model between the two, and
+// no better known than its worse end.
 double look_at_domain(const Snapshot& snapshot, const TargetRequest& request, Target& target) {
-  double largest = snapshot.slow_excess;
+  double largest = std::max(snapshot.slow_excess, snapshot.zero_excess);
   target.outside = snapshot.outside;
   for (std::size_t i = 0; i < snapshot.inputs.size() && snapshot.inputs[i].variable; ++i) {
     const double out = excess(
@@ -104,6 +102,7 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
   target.stale = snapshot.stale;
   target.missing = snapshot.missing;
   if (target.outside) target.flags |= kOutsideDomain;
+  if (snapshot.zero_outside) target.flags |= kZeroOutsideDomain;
   if (target.stale) target.flags |= kStaleTemperature;
   if (target.missing) target.flags |= kMissingTemperature;
   if (!snapshot.anchored) target.flags |= kUnanchoredDatum;
@@ -221,7 +220,7 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
     return refuse(target, refusal);
   const double largest_excess = look_at_domain(snapshot, request, target);
   set_flags(snapshot, request, target);
-  if (snapshot.refuse_outside_domain && target.outside)
+  if (snapshot.refuse_outside_domain && (target.outside | snapshot.zero_outside))
     return refuse(target, Refusal::outside_domain);
   if (snapshot.refuse_stale &&
       (target.flags & (kStaleTemperature | kMissingTemperature | kExpiredConditions)))
@@ -332,6 +331,7 @@ void append_flags(std::string& out, const Snapshot& snapshot, const Target& targ
     add_named("IGNORED_COORDINATE", [&] { append_variable_names(out, target.ignored, between); });
   if (target.flags & kConfigurationChanged) add(reasons::kConfigurationChanged.view(), 0);
   if (target.flags & kUnjudgedModel) add("UNJUDGED_MODEL", 0);
+  if (target.flags & kZeroOutsideDomain) add("ZERO_OUTSIDE_DOMAIN", snapshot.zero_outside);
 }
 
 std::string describe_flags(const Snapshot& snapshot, const Target& target) {
@@ -358,6 +358,12 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
               "found no finite number for " + names(snapshot, target.missing) +
                   ": state it in the unit of its name"};
     case Refusal::outside_domain:
+      if (target.outside == 0 && snapshot.refuse_outside_domain && snapshot.zero_outside != 0)
+        return {ErrorCode::out_of_range, reasons::kOutsideDomain,
+                "the zero of the present datum was taken with " +
+                    names(snapshot, snapshot.zero_outside) +
+                    " outside what the model was fitted on, and this cell refuses such targets "
+                    "([serving] refuse_outside_domain): take the zero again within it"};
       return {ErrorCode::out_of_range, reasons::kOutsideDomain,
               names(snapshot, target.outside) +
                   (snapshot.refuse_outside_domain

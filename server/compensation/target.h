@@ -61,6 +61,8 @@ enum TargetFlag : std::uint32_t {
                                     // use; nobody has accepted it yet
   kUnjudgedModel =
       1u << 9,  // an imported geometry: neither its domain nor its uncertainty is known
+  kZeroOutsideDomain =
+      1u << 10,  // the zero of the present datum was taken outside: see Snapshot::zero_outside
 };
 
 enum class Refusal : std::uint8_t {

@@ -128,6 +128,7 @@ class FlagText {
     add_inputs(compensation::kExpiredConditions, "EXPIRED_CONDITIONS", 0);
     add_inputs(compensation::kUnanchoredDatum, "UNANCHORED_DATUM", 0);
     add_inputs(compensation::kConfigurationChanged, reasons::kConfigurationChanged.view(), 0);
+    add_inputs(compensation::kZeroOutsideDomain, "ZERO_OUTSIDE_DOMAIN", model.zero_outside);
   }
 
  private:
@@ -174,7 +175,7 @@ Error beyond_limits_of(const JointSnapshot& snapshot, const JointTarget& target)
               " mm: the pose cannot be reached; ask for one within the travel"};
 }
 
-// The names that a rule of the cell refuses.
+// The names that a rule of the cell refuses, at the pose and at the datum's zero.
 std::string refused_names(const JointSnapshot& snapshot, const JointTarget& target, bool old) {
   std::string out;
   std::vector<std::string> seen;
@@ -185,11 +186,13 @@ std::string refused_names(const JointSnapshot& snapshot, const JointTarget& targ
   };
   for (std::size_t s = 0; s < snapshot.steps.size(); ++s)
     add(inputs_text(snapshot.robots[snapshot.steps[s].from].id, snapshot.steps[s].predicts,
-                    old ? target.step_stale[s] | target.step_missing[s] : target.step_outside[s]));
+                    old ? target.step_stale[s] | target.step_missing[s]
+                        : target.step_outside[s] | snapshot.steps[s].predicts.zero_outside));
   for (std::size_t r = 0; r < target.robots; ++r)
-    add(inputs_text(
-        snapshot.robots[r].id, answering(snapshot.robots[r], target.robot[r]),
-        old ? target.robot[r].stale | target.robot[r].missing : target.robot[r].outside));
+    add(inputs_text(snapshot.robots[r].id, answering(snapshot.robots[r], target.robot[r]),
+                    old ? target.robot[r].stale | target.robot[r].missing
+                        : target.robot[r].outside |
+                              answering(snapshot.robots[r], target.robot[r]).zero_outside));
   return out;
 }
 

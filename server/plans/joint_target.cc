@@ -259,9 +259,10 @@ Refusal refused_by_rule(const JointSnapshot& snapshot, const JointRequest& reque
   constexpr std::uint32_t kOld = compensation::kStaleTemperature |
                                  compensation::kMissingTemperature |
                                  compensation::kExpiredConditions;
+  constexpr std::uint32_t kOutside =
+      compensation::kOutsideDomain | compensation::kZeroOutsideDomain;
   const auto judged = [&](std::uint32_t flags) {
-    if (snapshot.refuse_outside_domain && (flags & compensation::kOutsideDomain) != 0)
-      return Refusal::outside_domain;
+    if (snapshot.refuse_outside_domain && (flags & kOutside) != 0) return Refusal::outside_domain;
     if (snapshot.refuse_stale && (flags & kOld) != 0) return Refusal::stale;
     if (snapshot.refuse_outside_limits && !request.show_unreachable &&
         (flags & compensation::kOutsideLimits) != 0)

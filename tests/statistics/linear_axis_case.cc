@@ -14,12 +14,6 @@ namespace {
 
 constexpr simulated::TimeNs kAxisEpoch = 1'600'000'000'000'000'000;
 
-std::string sensor(std::size_t i) {
-  char name[8];
-  std::snprintf(name, sizeof name, "t%02zu", i + 1);
-  return name;
-}
-
 std::string setting(const char* name, double value) {
   return std::string(name) + "=" + std::to_string(value);
 }
@@ -50,12 +44,24 @@ std::vector<std::string> machine_and_room(std::uint64_t seed) {
 
 }  // namespace
 
+std::string axis_sensor(std::size_t i) {
+  char name[8];
+  std::snprintf(name, sizeof name, "t%02zu", i + 1);
+  return name;
+}
+
 SimulatedCase linear_axis_case(std::uint64_t seed) {
-  const auto plant = simulated::make_plant(
-      testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR),
-      {.seed = seed, .overrides = machine_and_room(seed), .epoch_ns = kAxisEpoch});
-  const auto campaign = testing_support::run_plant_campaign(*plant, kAxisEpoch);
-  SimulatedCase out;
+  return linear_axis_machine(seed, {}).measured;
+}
+
+LinearAxisMachine linear_axis_machine(std::uint64_t seed, const std::string& schedule) {
+  auto settings = machine_and_room(seed);
+  if (!schedule.empty()) settings.front() = "room.schedule=" + schedule;
+  LinearAxisMachine made;
+  made.plant = simulated::make_plant(testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR),
+                                     {.seed = seed, .overrides = settings, .epoch_ns = kAxisEpoch});
+  const auto campaign = testing_support::run_plant_campaign(*made.plant, kAxisEpoch);
+  SimulatedCase& out = made.measured;
   const std::string file =
       std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/linear-axis/cell.toml";
   auto cell = formats::read_cell_file(file, drivers::all_devices());
@@ -65,7 +71,7 @@ SimulatedCase linear_axis_case(std::uint64_t seed) {
   auto& data = out.dataset;
   data.rows = campaign.rows.size();
   data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}};
-  for (std::size_t i = 0; i < 10; ++i) data.columns.push_back({{sensor(i), "degC"}, {}});
+  for (std::size_t i = 0; i < 10; ++i) data.columns.push_back({{axis_sensor(i), "degC"}, {}});
   for (const auto& row : campaign.rows) {
     data.time_s.push_back(row.time_s);
     data.set.push_back(row.calibration ? PointSet::calibration : PointSet::validation);
@@ -78,10 +84,10 @@ SimulatedCase linear_axis_case(std::uint64_t seed) {
     target.true_pose.set(compensation::Variable::x,
                          (row.end_effector_nm - campaign.zero_end_effector_nm) * 1e-6);
     for (std::size_t i = 0; i < 10; ++i)
-      target.conditions.push_back({sensor(i) + "_degC", row.t_degc[i]});
+      target.conditions.push_back({axis_sensor(i) + "_degC", row.t_degc[i]});
     target.q_mm = {row.q1_mm};
   }
-  return out;
+  return made;
 }
 
 }  // namespace driftwise::statistics

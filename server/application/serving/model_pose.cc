@@ -29,8 +29,9 @@ std::optional<ModelPose> model_pose(const compensation::SnapshotBoard& board,
     if (const double* value = known_value(values, compensation::channel_of(variable).name()))
       request.stated.set(variable, *value);
   const auto pose = compensation::forward_pose(*snapshot, request);
-  constexpr auto kUnfit = compensation::kOutsideDomain | compensation::kStaleTemperature |
-                          compensation::kMissingTemperature | compensation::kExpiredConditions;
+  constexpr auto kUnfit = compensation::kOutsideDomain | compensation::kZeroOutsideDomain |
+                          compensation::kStaleTemperature | compensation::kMissingTemperature |
+                          compensation::kExpiredConditions;
   if (!pose || (pose->target.flags & kUnfit) != 0) return std::nullopt;
   ModelPose out{snapshot->model, {}};
   for (const auto& one : pose->coordinates)

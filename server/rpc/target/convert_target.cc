@@ -83,9 +83,12 @@ void add_flags(const compensation::Snapshot& snapshot, const compensation::Targe
       out.add_ignored_channels(compensation::channel_of(static_cast<Variable>(i)).name());
   add(compensation::kConfigurationChanged, v1::Target::FLAG_CONFIGURATION_CHANGED);
   add(compensation::kUnjudgedModel, v1::Target::FLAG_UNJUDGED_MODEL);
+  add(compensation::kZeroOutsideDomain, v1::Target::FLAG_ZERO_OUTSIDE_DOMAIN);
   for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
     const std::uint64_t mine = std::uint64_t{1} << i;
     if ((target.outside & mine) != 0) out.add_outside_channels(snapshot.inputs[i].channel.name());
+    if ((snapshot.zero_outside & mine) != 0)
+      out.add_zero_outside_channels(snapshot.inputs[i].channel.name());
     if ((target.stale & mine) != 0) out.add_stale_channels(snapshot.inputs[i].channel.name());
     if ((target.missing & mine) != 0) out.add_missing_channels(snapshot.inputs[i].channel.name());
   }

@@ -110,6 +110,80 @@ TEST(SnapshotBuilder, GivesAnAnchoredTargetTheUncertaintyOfTheDifference) {
       1e-6);
 }
 
+// Domain 20 .. 22 degC and half a percent: the zero at 24 lies 1.99 / 1.01 half widths outside.
+TEST(SnapshotBuilder, JudgesTheConditionsOfTheZeroAsThoseOfNow) {
+  auto builder = builder_of(axis_model());
+  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 24.0}}));
+  observe(builder, 21);
+  TargetRequest request;
+  request.set(Variable::x, 2);
+  const auto snapshot = builder.build(kBuiltAt);
+  const auto target = compute_target(snapshot, request);
+  EXPECT_EQ(target.flags, static_cast<std::uint32_t>(kZeroOutsideDomain));
+  EXPECT_EQ(describe_flags(snapshot, target), "ZERO_OUTSIDE_DOMAIN(t07_degC)");
+
+  const double factor = std::pow(1 + 1.99 / 1.01, 2);
+  const auto budget = compute_budget(snapshot, request, 0);
+  double inside_nm2 = 0;
+  for (std::size_t i = 0; i + 1 < budget.lines; ++i)
+    inside_nm2 += budget.line[i].u_nm * budget.line[i].u_nm;
+  ASSERT_EQ(budget.line[budget.lines - 1].source, UncertaintySource::extrapolation);
+  EXPECT_NEAR(budget.line[budget.lines - 1].u_nm, std::sqrt(inside_nm2 * (factor * factor - 1)),
+              1e-6);
+  EXPECT_NEAR(target.u_nm[0], std::sqrt(inside_nm2) * factor, 1e-6);
+  EXPECT_NEAR(budget.u_nm, target.u_nm[0], 1e-6);
+}
+
+// The worse end counts: both are ends of one difference.
+TEST(SnapshotBuilder, TakesTheLargerExcessOfZeroAndPose) {
+  auto builder = builder_of(axis_model());
+  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 23.0}}));
+  observe(builder, 25);
+  const auto snapshot = builder.build(kBuiltAt);
+  EXPECT_NEAR(snapshot.zero_excess, 0.99 / 1.01, 1e-12);
+  EXPECT_NEAR(snapshot.slow_excess, 2.99 / 1.01, 1e-12);
+  TargetRequest request;
+  request.set(Variable::x, 2);
+  const auto target = compute_target(snapshot, request);
+  EXPECT_EQ(describe_flags(snapshot, target),
+            "OUTSIDE_DOMAIN(t07_degC),ZERO_OUTSIDE_DOMAIN(t07_degC)");
+  auto of_now = snapshot;
+  of_now.zero_excess = 0;
+  EXPECT_EQ(target.u_nm[0], compute_target(of_now, request).u_nm[0]);
+}
+
+TEST(SnapshotBuilder, JudgesPoseZeroAsAPoseWhereTheDatumIsCarried) {
+  auto model = axis_model();
+  model.domain[0] = {{"x", "mm"}, 1, 4};
+  auto builder = builder_of(model);
+  observe(builder, 21);
+  builder.keep_model_datum();
+  EXPECT_EQ(target_at(builder, 2).flags, 0u);  // its constant is the fitted one
+  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 1.02}, {"t07_degC", 21.0}}));
+  const auto snapshot = builder.build(kBuiltAt);
+  TargetRequest request;
+  request.set(Variable::x, 2);
+  EXPECT_EQ(describe_flags(snapshot, compute_target(snapshot, request)),
+            "ZERO_OUTSIDE_DOMAIN(x_mm)");
+}
+
+TEST(SnapshotBuilder, RefusesTargetsOfAZeroOutsideWhereTheCellRefusesThem) {
+  auto cell = axis_cell();
+  cell.serving.refuse_outside_domain = true;
+  auto builder = builder_of(axis_model(), cell);
+  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 24.0}}));
+  observe(builder, 21);
+  TargetRequest request;
+  request.set(Variable::x, 2);
+  const auto snapshot = builder.build(kBuiltAt);
+  const auto target = compute_target(snapshot, request);
+  ASSERT_EQ(target.refusal, Refusal::outside_domain);
+  const auto error = refusal_error(snapshot, target);
+  EXPECT_EQ(error.reason, "OUTSIDE_DOMAIN");
+  EXPECT_EQ(error.message.find("the zero of the present datum was taken with t07_degC outside"), 0u)
+      << error.message;
+}
+
 TEST(SnapshotBuilder, FlagsADatumThatIsNotKnown) {
   auto builder = builder_of(axis_model());
   observe(builder, 21);

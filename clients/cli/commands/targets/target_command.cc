@@ -59,6 +59,10 @@ void print_flags(const Console& console, const v1::Target& target) {
   for (const int flag : target.flags()) {
     std::string line = lower(v1::Target::Flag_Name(static_cast<v1::Target::Flag>(flag)), "FLAG_");
     if (flag == v1::Target::FLAG_OUTSIDE_DOMAIN) line += ": " + joined(target.outside_channels());
+    if (flag == v1::Target::FLAG_ZERO_OUTSIDE_DOMAIN)
+      line += ": " + joined(target.zero_outside_channels()) +
+              " (the zero of this datum was taken outside what the model was fitted on: take it "
+              "again within it)";
     if (flag == v1::Target::FLAG_STALE_TEMPERATURE) line += ": " + joined(target.stale_channels());
     if (flag == v1::Target::FLAG_MISSING_TEMPERATURE)
       line += ": " + joined(target.missing_channels());

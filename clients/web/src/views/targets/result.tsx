@@ -72,6 +72,7 @@ const flagWords: Record<number, string> = {
   [Target_Flag.CONFIGURATION_CHANGED]: 'the cell file has changed, in parts that this model does not use; nobody has accepted it yet',
   [Target_Flag.UNJUDGED_MODEL]: 'no data judged the model',
   [Target_Flag.UNANCHORED_DATUM]: 'the present datum is not known: the constant is that of the model\'s own',
+  [Target_Flag.ZERO_OUTSIDE_DOMAIN]: 'the zero of the present datum was taken outside what the model was fitted on',
 };
 
 function Flags({ target }: { target: Target }) {
@@ -83,6 +84,7 @@ function Flags({ target }: { target: Target }) {
     [Target_Flag.OUTSIDE_LIMITS]: target.unreachableChannels,
     [Target_Flag.UNKNOWN_LIMITS]: target.unlimitedChannels,
     [Target_Flag.IGNORED_COORDINATE]: target.ignoredChannels,
+    [Target_Flag.ZERO_OUTSIDE_DOMAIN]: target.zeroOutsideChannels,
   };
   const names = (flag: Target_Flag) => (named[flag] ?? []).map((channel) => splitChannel(channel).symbol);
   return (

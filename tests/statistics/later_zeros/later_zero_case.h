@@ -1,0 +1,44 @@
+#pragma once
+// The linear axis after its campaign: zeros taken while the room is beyond what the model was
+// fitted on, and targets asked for when it is back within, judged by the plant's truth.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace driftwise::statistics {
+
+struct LaterTarget {
+  double zero_excess = 0;         // of the zero's conditions, half widths of the fitted ranges
+  double error_nm = 0, u_nm = 0;  // as served
+  double u_of_pose_nm = 0;        // the same, judged at the pose and the present conditions only
+  bool is_flagged = false;        // ZERO_OUTSIDE_DOMAIN
+};
+
+// Of one machine; only targets whose pose and conditions lie within the domain. Each zero is one
+// draw: its targets share the error at the zero.
+std::vector<std::vector<LaterTarget>> later_zeros(std::uint64_t seed);
+
+// Counted by how far outside the zero was.
+class LaterZeroCount {
+ public:
+  struct Class {
+    double from = 0, to = 0;  // of zero_excess; from is inside the class, to is not
+    int zeros = 0, targets = 0, hits = 0, hits_of_pose = 0, flagged = 0;
+    double error_nm2 = 0, ratio2 = 0, ratio2_of_pose = 0;  // sums of squares
+    double rate() const { return targets == 0 ? 0 : static_cast<double>(hits) / targets; }
+    double rate_of_pose() const {
+      return targets == 0 ? 0 : static_cast<double>(hits_of_pose) / targets;
+    }
+  };
+  void add(const std::vector<std::vector<LaterTarget>>& zeros);
+  // Inside; to a tenth, a quarter, a half, one half width outside; further.
+  const std::vector<Class>& classes() const { return classes_; }
+  std::string table() const;
+
+ private:
+  std::vector<Class> classes_ = {{0, 1e-12},  {1e-12, 0.1}, {0.1, 0.25},
+                                 {0.25, 0.5}, {0.5, 1},     {1, 1e300}};
+};
+
+}  // namespace driftwise::statistics
