@@ -10,8 +10,8 @@ namespace driftwise::identification {
 namespace {
 
 constexpr double kNinety = 1.645;  // accuracy.h
-constexpr double kHalfAsBadAgain = 1.5, kInstrumentShare = 0.7, kRepeatShare = 0.8,
-                 kMostRepeats = 1.1, kSlowShare = 0.5, kSlowRows = 10, kLackOfFit = 0.01;
+constexpr double kHalfAsBadAgain = 1.5, kMost = 0.5, kMostRepeats = 1.1, kSlowRows = 10,
+                 kLackOfFit = 0.01;
 
 std::string figure(double value, const std::string& unit) {
   char text[64];
@@ -19,7 +19,11 @@ std::string figure(double value, const std::string& unit) {
   return text;
 }
 
-std::string percent(double share) { return figure(100 * share, "%"); }
+std::string percent(double share) { return figure(std::round(100 * share), "%"); }
+
+double share_of_variance(double part, double whole) {
+  return whole > 0 ? part * part / (whole * whole) : 0;
+}
 
 }  // namespace
 
@@ -35,32 +39,41 @@ Limit limited_by(const LimitFacts& f) {
     return {"temperatures", "temperatures that the calibration rows do not cover (" + list +
                                 "): calibrate over a wider range"};
   }
-  if (f.instrument_a90 && *f.instrument_a90 >= kInstrumentShare * held_out)
-    return {"instrument", "the instrument " + f.instrument + ": its declared uncertainty is " +
-                              figure(*f.instrument_a90, f.unit) + of + " (90 %)"};
-  // Repeats that differ by more than the model leaves differ by what it reads: temperatures.
   const double repeats = f.pure_error ? kNinety * *f.pure_error : 0;
-  if (repeats >= kRepeatShare * held_out && repeats <= kMostRepeats * held_out)
+  const double repeat_share = share_of_variance(repeats, held_out);
+  // Repeats that differ by more than the model leaves differ by what it reads: temperatures.
+  if (repeat_share >= kMost && repeats <= kMostRepeats * held_out)
     return {"noise",
             "noise of instruments and axes: repeats of a pose alone make " +
-                figure(repeats, f.unit) + of +
-                "; no term of the pose can lower it. More readings per point can, or a term "
-                "of what differs between the visits: the side they came from, the hour"};
-  if (f.slow_share >= kSlowShare && f.slow_rows >= kSlowRows)
+                figure(repeats, f.unit) + of + ", " + percent(std::min(1.0, repeat_share)) +
+                " of its variance; no term of the pose can lower that. More readings per point "
+                "can, or a term of what differs between the visits: the side they came from, the "
+                "hour"};
+  if (f.slow_share >= kMost && f.slow_rows >= kSlowRows)
     return {"drift", "drift that no term reads: " + percent(f.slow_share) +
                          " of the variance left is slow, over about " +
                          figure(f.slow_rows, "rows") +
                          "; add temperatures with their lags, or diagnose"};
-  if (f.pure_error && f.lack_of_fit_p.value_or(0) < kLackOfFit)
-    return {"lack_of_fit", "lack of fit: repeats of a pose make " +
-                               figure(kNinety * *f.pure_error, f.unit) + of +
-                               "; the terms leave the rest: try `driftwise model grow`"};
+  if (f.pure_error && repeat_share < kMost && f.lack_of_fit_p.value_or(0) < kLackOfFit)
+    return {"lack_of_fit", "lack of fit: repeats of a pose make " + figure(repeats, f.unit) + of +
+                               ", " + percent(repeat_share) +
+                               " of its variance; the terms leave the rest: `driftwise model "
+                               "grow` tries groups of terms, `driftwise diagnose` causes"};
   if (f.a90_blocks && *f.a90_blocks > kHalfAsBadAgain * f.a90_calibration)
     return {"rows", "too few rows for so many terms: " + figure(*f.a90_blocks, f.unit) +
                         " held out, " + figure(f.a90_calibration, f.unit) +
                         " on its own rows; `driftwise model points` says what more would buy"};
   return {"unknown",
           "noise or lack of fit, which these rows cannot tell apart: visit some poses again"};
+}
+
+std::optional<Limit> target_limited_by(const TargetLimitFacts& f) {
+  const double share = share_of_variance(f.instrument_u90, f.u90);
+  if (share < kMost) return std::nullopt;
+  return Limit{"instrument", "the instrument " + f.instrument + ": its declared uncertainty is " +
+                                 figure(f.instrument_u90, f.unit) + " of a stated 1.645 u of " +
+                                 figure(f.u90, f.unit) + ", " + percent(std::min(1.0, share)) +
+                                 " of its variance"};
 }
 
 LimitFacts limit_facts(const Dataset& dataset, const calibration::Model& model,
@@ -77,8 +90,7 @@ LimitFacts limit_facts(const Dataset& dataset, const calibration::Model& model,
                    .pure_error = scaled(a.pure_error),
                    .lack_of_fit_p = a.lack_of_fit_p,
                    .slow_share = a.slow_share,
-                   .slow_rows = a.slow_rows,
-                   .instrument_a90 = std::nullopt};
+                   .slow_rows = a.slow_rows};
   const auto validation = rows_in(dataset, PointSet::validation);
   for (const auto& range : model.domain) {
     if (!is_structure_temperature(range.channel)) continue;

@@ -182,18 +182,21 @@ void print_accuracy(const Console& console, const v1::ModelOutput& output) {
                 << " rows\n";
 }
 
-// The largest line of the budgets that an instrument declares, as 1.645 u; 0: none.
-std::pair<std::string, double> largest_declared(const v1::GetModelResponse& shown,
-                                                const std::string& channel) {
-  std::pair<std::string, double> largest;
+// Where the largest line that an instrument declares makes the most of a target's variance.
+identification::TargetLimitFacts largest_declared(const v1::GetModelResponse& shown,
+                                                  const std::string& channel) {
+  constexpr double kNinety = 1.645;
+  identification::TargetLimitFacts largest{.unit = "nm"};
   for (const auto& budget : shown.budgets())
     for (const auto& coordinate : budget.coordinates()) {
       if (coordinate.channel() != channel) continue;
       for (const auto& line : coordinate.budget()) {
         const bool declared = line.source() >= v1::BudgetLine::SOURCE_LASER &&
                               line.source() <= v1::BudgetLine::SOURCE_MIRROR;
-        const double a90_nm = 1.645 * line.u_nm();
-        if (declared && a90_nm > largest.second) largest = {budget_line_name(line), a90_nm};
+        const identification::TargetLimitFacts one{"nm", coordinate.u90_nm(),
+                                                   budget_line_name(line), kNinety * line.u_nm()};
+        const bool is_larger = one.instrument_u90 * largest.u90 > largest.instrument_u90 * one.u90;
+        if (declared && one.u90 > 0 && (largest.u90 <= 0 || is_larger)) largest = one;
       }
     }
   return largest;
@@ -205,7 +208,6 @@ void print_limit(const Console& console, const v1::GetModelResponse& shown,
   const auto if_any = [](bool any, double value) {
     return any ? std::optional(value) : std::nullopt;
   };
-  const auto declared = largest_declared(shown, output.channel());
   const identification::LimitFacts facts{
       .unit = output.summary_unit(),
       .a90_calibration = a.a90_calibration(),
@@ -214,10 +216,11 @@ void print_limit(const Console& console, const v1::GetModelResponse& shown,
       .pure_error = if_any(a.has_pure_error(), a.pure_error()),
       .lack_of_fit_p = if_any(a.has_lack_of_fit_p(), a.lack_of_fit_p()),
       .slow_share = a.slow_share(),
-      .slow_rows = a.slow_row_count(),
-      .instrument = declared.first,
-      .instrument_a90 = if_any(declared.second > 0, declared.second)};
+      .slow_rows = a.slow_row_count()};
   console.out << "limited by " << identification::limited_by(facts).words << '\n';
+  if (const auto target =
+          identification::target_limited_by(largest_declared(shown, output.channel())))
+    console.out << "its targets are limited by " << target->words << '\n';
 }
 
 // "selected: +x 812.31, +x^2 95.02, -t05 8.11": each step with the residual's spread after it.

@@ -193,14 +193,40 @@ TEST(LimitedBy, NamesTheCauseThatTheFiguresShow) {
   warm.uncovered = {"t07 0.8 K above"};
   EXPECT_EQ(limited_by(warm).cause, "temperatures");
   EXPECT_THAT(limited_by(warm).words, HasSubstr("t07 0.8 K above"));
-  auto probe = facts();
-  probe.instrument = "touch probe";
-  probe.instrument_a90 = 10;
-  EXPECT_EQ(limited_by(probe).cause, "instrument");
   auto rows = facts();
   rows.a90_blocks = 30;
   EXPECT_EQ(limited_by(rows).cause, "rows");
   EXPECT_EQ(limited_by(facts()).cause, "unknown");
+}
+
+// 1.645 x 5 nm are 56 % of the variance of 11 nm: a term can take away the rest at most.
+TEST(LimitedBy, NamesRepeatsThatAreMostOfTheVarianceAlsoWhereALackOfFitIsSignificant) {
+  auto both = facts();
+  both.pure_error = 5;
+  both.lack_of_fit_p = 1e-6;
+  EXPECT_EQ(limited_by(both).cause, "noise");
+  EXPECT_THAT(limited_by(both).words,
+              HasSubstr("8.22 nm of an A90 of 11 nm, 56 % of its variance"));
+  both.pure_error = 4;
+  EXPECT_EQ(limited_by(both).cause, "lack_of_fit");
+  EXPECT_THAT(limited_by(both).words, HasSubstr("36 % of its variance"));
+}
+
+TEST(LimitedBy, NeverNamesAPartThatIsLargerThanTheWhole) {
+  auto far = facts();  // the visits of a pose differ by what the model reads
+  far.pure_error = 20;
+  far.lack_of_fit_p = 1e-6;
+  EXPECT_EQ(limited_by(far).cause, "unknown");
+}
+
+// An error that all rows share is in no residual: its whole is what a target states.
+TEST(TargetLimitedBy, ComparesAnInstrumentWithTheUncertaintyOfATarget) {
+  const auto limit = target_limited_by({"nm", 17.2, "laser", 14.1});
+  ASSERT_TRUE(limit);
+  EXPECT_EQ(limit->cause, "instrument");
+  EXPECT_THAT(limit->words, HasSubstr("14.1 nm of a stated 1.645 u of 17.2 nm, 67 %"));
+  EXPECT_FALSE(target_limited_by({"nm", 21, "laser", 14.1}));
+  EXPECT_FALSE(target_limited_by({"nm"}));
 }
 
 TEST(LimitedBy, SeesTemperaturesThatTheCalibrationDidNotCover) {
