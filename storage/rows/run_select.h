@@ -6,10 +6,17 @@
 
 namespace driftwise::storage {
 
+// Hash of the cell file that a run was measured under; '' where its rows are a file's, which this
+// cell did not measure. The row has the file that was in force at the import. A join of measured
+// runs is imported too, and its rules begin with "joined".
+#define DRIFTWISE_CELL_FILE_OF_RUN                                                      \
+  "CASE WHEN reason = 'imported' AND rules_json NOT LIKE '{\"joined\":%' THEN '' ELSE " \
+  "config_hash END"
+
 #define DRIFTWISE_SELECT_RUN                                                                   \
-  "SELECT run_id, name, trajectory_name, trajectory_text, trajectory_rows, rules_json, "       \
-  "config_hash, "                                                                              \
-  "operator_name, request_id, state, reason, created_ns, started_ns, ended_ns, next_row, "     \
+  "SELECT run_id, name, trajectory_name, trajectory_text, trajectory_rows, "                   \
+  "rules_json, " DRIFTWISE_CELL_FILE_OF_RUN                                                    \
+  ", operator_name, request_id, state, reason, created_ns, started_ns, ended_ns, next_row, "   \
   "requeued, "                                                                                 \
   "accepted, given_up, attempts, restarts, max_lag_s, hold_kind, hold_who, hold_ns, boot_id, " \
   "(SELECT group_concat(key || '=' || value, char(10)) FROM (SELECT key, value FROM "          \

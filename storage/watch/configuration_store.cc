@@ -2,6 +2,7 @@
 
 #include "server/core/reasons.h"
 #include "storage/rows/run_rows.h"
+#include "storage/rows/run_select.h"
 
 namespace driftwise::storage {
 namespace {
@@ -34,8 +35,11 @@ ConfigurationStart read_start(Session& session, std::int64_t id) {
 
 std::vector<UsedConfiguration> used_by(Session& session, RunId run) {
   std::vector<UsedConfiguration> used;
-  Query first(session.db, "SELECT config_hash, created_ns FROM run WHERE run_id = ?");
+  Query first(session.db, "SELECT " DRIFTWISE_CELL_FILE_OF_RUN
+                          ", created_ns FROM run JOIN run_progress USING (run_id) "
+                          "WHERE run_id = ?");
   if (!first.bind(run).row()) throw_no_such_run(session, run);
+  if (first.text(0).empty()) return used;
   used.push_back({first.text(0), {first.integer(1)}});
   Query later(
       session.db,
@@ -47,7 +51,7 @@ std::vector<UsedConfiguration> used_by(Session& session, RunId run) {
 
 void insert_used(Session& session, RunId run, const UsedConfiguration& used) {
   const auto before = used_by(session, run);
-  if (before.back().hash == used.hash) return;
+  if (before.empty() || before.back().hash == used.hash) return;
   Query(session.db,
         "INSERT INTO run_configuration (run_id, position, config_hash, from_ns) "
         "VALUES (?, ?, ?, ?)")

@@ -187,6 +187,7 @@ RunId LiveCell::add_run(const std::string& name) {
     run.rows = 100;
     run.rules_json = "{}";
     run.operator_name = "ada";
+    run.config_hash = "c0ffee";
     run.created = {cell_->now(), 0};
     return good(store_->runs().create_run(run)).id;
   });

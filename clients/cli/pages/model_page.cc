@@ -35,7 +35,7 @@ void print_heading(const Console& console, const v1::GetModelResponse& shown) {
               << (model.name().empty() ? "" : "  " + model.name())
               << (model.serving() ? paint.good("  serving") : "") << '\n';
   if (shown.config_hash().empty())
-    line("cell file", "none: fitted from a file");
+    line("cell file", "none: not fitted from a run of this cell");
   else
     line("cell file", (shown.cell_name().empty() ? "" : shown.cell_name() + ", ") +
                           "measured under " + shown.config_hash());
@@ -187,6 +187,7 @@ identification::TargetLimitFacts largest_declared(const v1::GetModelResponse& sh
                                                   const std::string& channel) {
   constexpr double kNinety = 1.645;
   identification::TargetLimitFacts largest{.unit = "nm"};
+  if (shown.config_hash().empty()) return largest;  // the instruments of its rows are not known
   for (const auto& budget : shown.budgets())
     for (const auto& coordinate : budget.coordinates()) {
       if (coordinate.channel() != channel) continue;

@@ -142,7 +142,8 @@ void print_run(const Console& console, const v1::Run& run) {
                                             : ""));
   if (run.restart_count() > 0) line("restarts", std::to_string(run.restart_count()));
   line("largest lag", span_text(seconds_of(run.max_lag_duration())) + " of cell time");
-  if (!run.config_hash().empty()) line("cell file", run.config_hash());
+  line("cell file",
+       run.config_hash().empty() ? "none: its rows are a file's, imported" : run.config_hash());
   for (int i = 1; i < run.configurations_size(); ++i)
     line("", "from " + clock_text(run.configurations(i).from_time()) +
                  " UTC on: " + run.configurations(i).hash());

@@ -59,7 +59,7 @@ void add_parts(Store& store, std::span<const RunId> runs, Dataset& dataset) {
   std::map<std::string, std::string> parts;
   for (const RunId run : runs) {
     const auto used = store.configurations().of_run(run);
-    if (!used || !looked_at.insert(used->back().hash).second) continue;
+    if (!used || used->empty() || !looked_at.insert(used->back().hash).second) continue;
     const auto text = store.configurations().text(used->back().hash);
     if (!text) continue;
     for (const auto& [symbol, part] : formats::sensor_parts(*text))

@@ -194,6 +194,16 @@ Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool 
   return set_names.empty() ? csv : formats::with_set_names(csv, set_names);
 }
 
+// Those whose rows are a file's.
+Result<std::vector<std::int64_t>> runs_of_files(Store& store, const std::vector<RunId>& runs) {
+  std::vector<std::int64_t> of_files;
+  for (const RunId id : runs) {
+    DRIFTWISE_TRY(const auto run, store.runs().run(id));
+    if (is_of_file(run)) of_files.push_back(id.value);
+  }
+  return of_files;
+}
+
 Result<correction::JoinParts> parts_of_join(Store& store, const std::vector<RunId>& runs,
                                             const CellDescription* present) {
   return join_parts(store, runs, *present);
@@ -251,6 +261,7 @@ Awaitable<Result<RunRecord>> DatasetsService::import_csv(Caller caller, std::str
 
 Awaitable<Result<JoinAnswer>> DatasetsService::join(Caller caller, JoinRequest request) {
   DRIFTWISE_CO_TRY(auto parts, co_await reader_.call(parts_of_join, request.runs, &description_));
+  DRIFTWISE_CO_TRY(const auto of_files, co_await reader_.call(runs_of_files, request.runs));
   DRIFTWISE_CO_TRY(auto joined, co_await run_on(background_, join_runs, std::move(parts),
                                                 request.rules, description_.name));
   if (request.dry_run) co_return JoinAnswer{std::nullopt, std::move(joined.report_json)};
@@ -260,8 +271,10 @@ Awaitable<Result<JoinAnswer>> DatasetsService::join(Caller caller, JoinRequest r
   NewRun fresh;
   fresh.name = request.name.empty() ? "join of runs " + numbers : request.name;
   fresh.rows = static_cast<std::int64_t>(joined.data.rows);
-  fresh.rules_json =
-      nlohmann::ordered_json{{"joined", nlohmann::ordered_json::parse(joined.report_json)}}.dump();
+  nlohmann::ordered_json rules;
+  if (!of_files.empty()) rules["runs_of_files"] = of_files;  // before "joined": a file's rows, too
+  rules["joined"] = nlohmann::ordered_json::parse(joined.report_json);
+  fresh.rules_json = rules.dump();
   fresh.request_id = std::move(request.request_id);
   fresh.config_hash = description_.hash;
   fresh.config_text = description_.text;

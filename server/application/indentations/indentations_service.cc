@@ -71,7 +71,7 @@ Result<IndentationView> view_of(IndentationRecord& record) {
 }
 
 // Refusals of a report. A damaged text of the caller is the caller's.
-Result<IndentationView> judged(IndentationRecord& now, const IndentationRecord& before) {
+Result<IndentationView> judged_indents(IndentationRecord& now, const IndentationRecord& before) {
   auto view = view_of(now);
   if (!view) {
     view.error().code = ErrorCode::invalid_argument;
@@ -135,7 +135,7 @@ Awaitable<Result<IndentationView>> IndentationsService::begin(Caller caller, std
   fresh.created_by = caller.name;
   fresh.created_from = caller.peer;
   const IndentationRecord none;
-  DRIFTWISE_CO_TRY(auto view, co_await run_on(texts_, judged, fresh, none));
+  DRIFTWISE_CO_TRY(auto view, co_await run_on(texts_, judged_indents, fresh, none));
   auto adding = writer_.indentations().add_indentation(fresh);
   DRIFTWISE_CO_TRY(auto stored, co_await std::move(adding));
   // Another one than the fresh record: the key is known, and this continues its indentation.
@@ -171,7 +171,7 @@ Awaitable<Result<IndentationView>> IndentationsService::replace(Caller caller,
   now.record_json = std::move(record_json);
   now.ended = std::move(ended);
   now.reported = clock_.now().utc;
-  DRIFTWISE_CO_TRY(auto view, co_await run_on(texts_, judged, now, stored));
+  DRIFTWISE_CO_TRY(auto view, co_await run_on(texts_, judged_indents, now, stored));
   auto changing = writer_.indentations().change_indentation(now);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(changing));
   if (!now.ended.empty())

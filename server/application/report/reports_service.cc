@@ -210,7 +210,7 @@ Awaitable<Result<std::string>> ReportsService::page(RunId id) {
   report->cell = cell.name;
   report->version = version_;
   report->axes = cell.axes();
-  report->certificates = cell.certificates;
+  if (!report->configurations.empty()) report->certificates = cell.certificates;
   report->compensation = in_words(compensation_of(report->run));
   report->made_utc_ns = clock.utc(now).ns;
   report->made = to_iso8601(clock.utc(now));

@@ -12,15 +12,15 @@ bool is_of_weights(const Error& error) {
 
 Remedy remedy_for(const Error& error) {
   switch (recovery_of(error.reason)) {
-    case Recovery::leave:
+    case driftwise::Recovery::leave:
       return Remedy::leave;
-    case Recovery::abort:
+    case driftwise::Recovery::abort:
       return Remedy::abort;
-    case Recovery::new_datum:
+    case driftwise::Recovery::new_datum:
       return Remedy::new_datum;
-    case Recovery::fail:
+    case driftwise::Recovery::fail:
       return Remedy::fail;
-    case Recovery::by_code:
+    case driftwise::Recovery::by_code:
       break;
   }
   if (error.code == ErrorCode::aborted) return Remedy::hold;

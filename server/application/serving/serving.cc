@@ -58,7 +58,7 @@ Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
         [](Store& store, const std::vector<RunId>& fitted_from, const std::string& present) {
           return std::ranges::all_of(fitted_from, [&](RunId run) {
             const auto used = store.configurations().of_run(run);
-            return used && used->back().hash == present;
+            return used && !used->empty() && used->back().hash == present;
           });
         },
         runs, description_.hash);

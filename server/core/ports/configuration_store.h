@@ -30,7 +30,7 @@ class ConfigurationStore {
   // From here on the run is measured under this configuration.
   virtual Result<void> continue_run(RunId run, const UsedConfiguration& used) = 0;
   // Oldest first: the one it was created under, then those of continue_run that differ from the one
-  // before. Errors: not_found NO_SUCH_RUN.
+  // before; empty: its rows are a file's. Errors: not_found NO_SUCH_RUN.
   virtual Result<std::vector<UsedConfiguration>> of_run(RunId run) = 0;
 };
 

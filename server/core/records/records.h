@@ -77,7 +77,9 @@ struct RunRecord {
   RunId id;
   std::string name, trajectory_name, trajectory_text;
   std::int64_t rows = 0;
-  std::string rules_json, config_hash, operator_name, request_id;
+  std::string rules_json;
+  std::string config_hash;  // empty: its rows are a file's, which this cell did not measure
+  std::string operator_name, request_id;
   RunState state = RunState::queued;
   std::string reason;                // why it is in this state: "paused by ada", "E-stop: ..."
   CellTime created, started, ended;  // utc_ns 0: not yet
@@ -89,6 +91,9 @@ struct RunRecord {
   RunMetadata metadata;
   std::optional<QueueEntryId> queue_entry;  // that began it
 };
+
+// Its rows are a file's: their instruments and thermometers are not known to be this cell's.
+inline bool is_of_file(const RunRecord& run) { return run.config_hash.empty(); }
 
 struct RunChange {  // what is set is changed
   std::optional<RunState> state;

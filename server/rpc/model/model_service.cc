@@ -252,8 +252,8 @@ class ModelService final : public v1::ModelService::CallbackService {
   }
 
   // What its page says beyond the model. It could be read: whole() did.
-  // The cell file that the model was measured under. A model of a file has none: then the present
-  // one, and no hash.
+  // The cell file that the model was measured under. A model of a file has none: no instrument is
+  // declared for its rows, and the budget is that of a target here.
   void add_page(const ModelRecord& record, const application::ModelGround& ground,
                 v1::GetModelResponse& response) const {
     const bool is_of_a_file = ground.configurations.empty();
@@ -261,7 +261,7 @@ class ModelService final : public v1::ModelService::CallbackService {
     if (!is_of_a_file && !ground.measured_under) return;  // no text of it can be read
     const auto& description = is_of_a_file ? overview_.description() : *ground.measured_under;
     response.set_cell_name(description.name);
-    add_declared(description, response);
+    if (!is_of_a_file) add_declared(description, response);
     if (const auto model = formats::read_model_json(record.json))
       add_budgets(*model, description, response);
   }

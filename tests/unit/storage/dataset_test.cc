@@ -141,6 +141,25 @@ TEST_F(DatasetTest, GivesAnImportedFileBackExactly) {
   expect_same(store->runs().dataset(std::vector{imported.id}).value(), file);
 }
 
+TEST_F(DatasetTest, AnImportedRunHasNoCellFile) {
+  Dataset file;
+  file.rows = 2;
+  file.columns = {{{"q1", "mm"}, {0, 1}}, {{"x", "mm"}, {0, 1}}};
+  const RunId imported = store->runs().import_dataset(import_run(), file).value().id;
+  EXPECT_EQ(store->runs().run(imported)->config_hash, "");
+  EXPECT_TRUE(store->configurations().of_run(imported)->empty());
+  EXPECT_EQ(store->runs().run(run)->config_hash, "c0ffee");
+  ASSERT_EQ(store->configurations().of_run(run)->size(), 1u);
+  // A join of runs that the cell measured has theirs.
+  NewRun join = import_run();
+  join.rules_json = R"({"joined":{}})";
+  const RunId joined = store->runs().import_dataset(join, file).value().id;
+  EXPECT_EQ(store->runs().run(joined)->config_hash, "c0ffee");
+  join.rules_json = R"({"runs_of_files":[2],"joined":{}})";
+  const RunId of_files = store->runs().import_dataset(join, file).value().id;
+  EXPECT_EQ(store->runs().run(of_files)->config_hash, "");
+}
+
 TEST_F(DatasetTest, AddsNoFieldThatTheImportedFileDidNotHave) {
   Dataset file;
   file.rows = 2;

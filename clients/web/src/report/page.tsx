@@ -49,7 +49,7 @@ export function ReportPage({ report }: { report: Report }) {
           {report.record_head && <><dt>record</dt><dd>head of its chain <code class="hash">{report.record_head}</code>: <code>driftwise audit verify --head</code> finds a record written anew</dd></>}
           <dt>cell file</dt>
           <dd>
-            <code>{report.config_hash}</code>
+            {report.config_hash ? <code>{report.config_hash}</code> : 'none: its rows are a file\'s, imported'}
             {(report.configurations ?? []).slice(1).map((one) => <> ; from {one.from ? at(one.from) : 'an unknown time'} on <code>{one.hash}</code></>)}
           </dd>
           {(report.corrections ?? []).map((one) => (

@@ -53,7 +53,7 @@ function Head({ run }: { run: Run }) {
         <dt>started by</dt><dd>{run.operatorName || 'unknown'}</dd>
         {run.metadata.length > 0 && <><dt>metadata</dt><dd>{run.metadata.map((item) => `${item.key}=${item.value}`).join(', ')}</dd></>}
         {run.queueEntryId !== undefined && <><dt>queue</dt><dd><a href="/queue">entry {String(run.queueEntryId)}</a></dd></>}
-        <dt>cell file</dt><dd><code>{run.configHash}</code>{run.configurations.slice(1).map((one) => <>, from {dateClock(ms(one.fromTime))} on <code>{one.hash}</code></>)}</dd>
+        <dt>cell file</dt><dd>{run.configHash ? <code>{run.configHash}</code> : 'none: its rows are a file\'s, imported'}{run.configurations.slice(1).map((one) => <>, from {dateClock(ms(one.fromTime))} on <code>{one.hash}</code></>)}</dd>
       </dl>
       {!isOver(run) && <RunButtons run={run} />}
     </Panel>
