@@ -85,7 +85,7 @@ TEST_P(ModelCrashPoint, LeavesAWholeModelOrNone) {
   const auto run = cell.create_run(crash_trajectory(2, 6), "the-one");
   ASSERT_EQ(cell.wait_until_over(run.id(), seconds(60)).state(), v1::Run::STATE_DONE);
   const std::vector<std::string> fit = {"fit", "--run", "1", "--model", "q ~ x + x^2"};
-  const std::vector<std::string> promote = {"model", "promote", "1"};
+  const std::vector<std::string> promote = {"model", "promote", "1", "--yes"};
   const bool fitted = cell.cli(fit).code == 0;
   if (fitted) {
     EXPECT_EQ(cell.cli(promote).code, 4) << "the daemon died while it was asked";

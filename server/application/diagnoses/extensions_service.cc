@@ -11,6 +11,7 @@
 #include "server/application/models/fit_options.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/application/provenance/data_of_model.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/reasons.h"
@@ -31,6 +32,7 @@ struct AcceptMaterial {  // read from the store
   std::vector<CorrectionId> corrections;  // in force over them
   std::optional<ModelRecord> parent;
 };
+  std::vector<DataOfModel> of_runs;  // where the model is to serve
 
 struct MadeExtension {  // by the worker
   ExtensionPlan plan;
@@ -67,6 +69,11 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   DRIFTWISE_TRY(auto corrections, corrections_over(store, material.record.runs));
   material.corrections = std::move(corrections);
   if (material.record.model) {
+  if (request.promote) {
+    DRIFTWISE_TRY(auto of_runs,
+                  data_of_model(store, material.record.runs, material.record.created));
+    material.of_runs = std::move(of_runs);
+  }
     DRIFTWISE_TRY(auto parent, store.models().model(*material.record.model));
     DRIFTWISE_RETURN_IF_ERROR(check_integrity(parent));
     material.parent = std::move(parent);
@@ -107,7 +114,10 @@ Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
   std::vector<std::string> questions;
   if (promote) {  // whether it can serve is seen before anything is kept
     DRIFTWISE_TRY(auto whole, formats::read_model_json(model.json));
-    questions = temperature_questions(whole, cell);
+    for (auto& asked : {origin_questions(whole, material.of_runs, cell),
+                        campaign_questions(whole, material.of_runs, cell, false),
+                        temperature_questions(whole, cell)})
+      questions.insert(questions.end(), asked.begin(), asked.end());
     DRIFTWISE_RETURN_IF_ERROR(
         compensation::SnapshotBuilder::create(std::move(whole), ModelId{}, cell));
   }

@@ -4,6 +4,7 @@
 
 #include "server/application/datasets/extension_preview.h"
 #include "server/application/provenance/promotion_questions.h"
+#include "server/application/provenance/data_of_model.h"
 #include "server/application/provenance/stored_description.h"
 #include "server/core/try.h"
 #include "server/formats/diagnosis/amendment_json.h"
@@ -28,6 +29,15 @@ Result<RunGround> ground_of(Store& store, RunId run,
 }
 
 Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& present) {
+// Whether this cell measured a run after the model was made, which any check of it looks at.
+Result<bool> is_judged_later(Store& store, const ModelRecord& model) {
+  constexpr int kNewest = 20;
+  DRIFTWISE_TRY(const auto runs, store.runs().runs(kNewest, 0));
+  return std::ranges::any_of(runs, [&model](const RunRecord& run) {
+    return run.created > model.created && run.accepted > 0 && run.reason != "imported";
+  });
+}
+
   DRIFTWISE_TRY(const auto record, store.models().model(id));
   DRIFTWISE_TRY(const auto model, formats::read_model_json(record.json));
   ModelGround ground;
@@ -58,13 +68,16 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
       });
     }
   std::vector<RunMetadata> metadata;
+  DRIFTWISE_TRY(const auto data, data_of_model(store, model.lineage.runs, record.created));
+  DRIFTWISE_TRY(const bool judged_later, is_judged_later(store, record));
   for (const RunId run : model.lineage.runs) {
     DRIFTWISE_TRY(auto of_run, store.runs().run(run));
     metadata.push_back(std::move(of_run.metadata));
   }
   for (auto& questions :
-       {accuracy_questions(model, metadata), temperature_questions(model, present),
-        correction_questions(ground.corrections),
+       {accuracy_questions(model, metadata), origin_questions(model, data, present),
+        campaign_questions(model, data, present, judged_later),
+        temperature_questions(model, present), correction_questions(ground.corrections),
         configuration_questions(model, ground.changes_since)})
     ground.promotion_questions.insert(ground.promotion_questions.end(), questions.begin(),
                                       questions.end());

@@ -65,7 +65,7 @@ def measure(cell, hours, kind):
     stops = cell.end_run(runs[0], 600)
     formula, target = ("q ~ x", "TARGET x_mm=1") if kind == "linear-axis" else ("q ~ x + y + z", "TARGET x_mm=1 y_mm=1 z_mm=1")
     cell.ask("fit", "--run", runs[0], "--model", formula)
-    promoted = cell.cli("model", "promote", 1)
+    promoted = cell.cli("model", "promote", 1, "--yes")
     if promoted.returncode != 0:
         raise Trouble("promote: " + promoted.stdout + promoted.stderr)
     notice = json.loads((cell.folder / "driftwised.json").read_text())

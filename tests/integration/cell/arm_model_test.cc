@@ -140,7 +140,7 @@ TEST_F(ArmModel, IsIdentifiedPromotedServedAndKeptOverARestart) {
   ASSERT_TRUE(robot) << robot.error().message;
   EXPECT_NEAR(robot->links[1].a_mm, -613.1, 0.1);  // as built
 
-  cell.say({"model", "promote", id});
+  cell.say({"model", "promote", id, "--yes"});
   expect_reached(*robot, kPosture, by_grpc(*robot, kPosture, kClose));
   EXPECT_THAT(answer.at("flags"), Not(Contains("unjudged_model")));
   // Some micrometres at a metre: seconds of arc.

@@ -39,7 +39,7 @@ TEST(Homing, ByHandOpensADatumFromWhichTargetsCount) {
   cell.start_daemon();
   ASSERT_EQ(cell.end_of(cell.start_run(campaign(4, 8))).at("state"), "done");
   const auto fit = cell.ask({"fit", "--run", "1", "--model", "q ~ x + x^2"});
-  cell.say({"model", "promote", std::to_string(fit.at("model_id").get<int>())});
+  cell.say({"model", "promote", std::to_string(fit.at("model_id").get<int>()), "--yes"});
   const auto datums = cell.count("SELECT count(*) FROM datum");
   const double zero_before_mm = zero_on_the_scale_mm(cell);
   const double served_before_mm = target_mm(cell, "x=0");

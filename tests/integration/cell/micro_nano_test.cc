@@ -76,7 +76,7 @@ TEST(MicroNano, GoesFromAPlanToACompensatedTarget) {
             0);
 
   const auto fit = cell.ask({"fit", "--run", "1", "--model", "q ~ poly(x, y, z, 2) + F"});
-  cell.say({"model", "promote", std::to_string(fit.at("model_id").get<int>())});
+  cell.say({"model", "promote", std::to_string(fit.at("model_id").get<int>()), "--yes"});
   const auto poses = cell.folder() + "/poses.csv";
   cell.say({"trajectory", "grid", "--axes", "q1,q2,q3", "--block",
             "validation 0.3:1.7 scattered=6 force=0.768", "--to-pose", cell.folder() + "/cell.toml",

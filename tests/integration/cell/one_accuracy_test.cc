@@ -152,7 +152,7 @@ TEST_F(OneAccuracy, OfAModelIsTheSameEverywhere) {
   EXPECT_THAT(cell.say({"model", "show", id}), HasSubstr("A90 " + words));
   EXPECT_THAT(cell.say({"fit", csv, "--model", "q ~ x + y + x^2 + t05"}),
               HasSubstr("accuracy (A90) " + words));
-  EXPECT_THAT(cell.say({"model", "promote", id}), HasSubstr("accuracy (A90) " + words));
+  EXPECT_THAT(cell.say({"model", "promote", id, "--yes"}), HasSubstr("accuracy (A90) " + words));
   EXPECT_EQ(cell.ask({"model", "list"})
                 .at("models")
                 .at(0)

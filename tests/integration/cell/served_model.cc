@@ -23,7 +23,7 @@ std::int64_t serve_known_model(const CellAtWork& cell) {
   const auto fit = cell.ask({"fit", "--run", std::to_string(run.get<int>()), "--model",
                              "q ~ x + t05", "--select", "all"});
   const std::int64_t model = fit.at("model_id");
-  cell.say({"model", "promote", std::to_string(model)});
+  cell.say({"model", "promote", std::to_string(model), "--yes"});
   return model;
 }
 

@@ -77,7 +77,7 @@ TEST(Studies, WhatTheNewVerbsSayOfARun) {
   EXPECT_TRUE(left.at("same_rows").get<bool>());
   EXPECT_EQ(left.at("row_count"), 24);
   EXPECT_THAT(cell.say({"model", "residuals", model}), testing::HasSubstr("q1_residual_nm"));
-  cell.say({"model", "promote", model});
+  cell.say({"model", "promote", model, "--yes"});
   const auto map = cell.ask({"target", "map", "--axis", "x=-2:2:5", "--axis", "force=0:1:2"});
   EXPECT_EQ(map.at("planes").at(0).at("position_mm").size(), 10u);
 }

@@ -45,7 +45,7 @@ TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
   cell.add_model("q ~ x");
   EXPECT_EQ(run({"model", "promote", "2", "--dry-run"}).exit, 0);
   EXPECT_EQ(json({"model", "list"})["models"][1]["serving"], false);
-  EXPECT_EQ(run({"model", "promote", "2"}).out,
+  EXPECT_EQ(run({"model", "promote", "2", "--yes"}).out,
             "model 2 serves now: q ~ x\n"
             "accuracy (A90) 9.7 nm (q1, validation rows, mean +2 nm, U90 9.1 nm)\n");
   EXPECT_THAT(run({"model", "compare", "1", "2"}).out, HasSubstr("model 2*"));
@@ -107,6 +107,38 @@ TEST_F(ModelCommandsTest, APromotionWithAQuestionAsks) {
   EXPECT_EQ(run({"model", "promote", "2"}, true, "n\n").exit, 5);
   EXPECT_TRUE(json({"model", "history"})["promotions"].empty());
   EXPECT_EQ(run({"model", "promote", "2"}, true, "y\n").exit, 0);
+  EXPECT_EQ(run({"model", "promote", "2", "--yes"}).exit, 0);
+}
+
+// A file of another machine, with travels that this one has not.
+TEST_F(ModelCommandsTest, APromotionOfAModelOfAnImportedRunAsks) {
+  cell.on_store([](Store& store) {
+    NewRun file;
+    file.name = "messung.csv";
+    file.rules_json = "{}";
+    file.created = {kWorldBegin, 0};
+    Dataset rows;
+    rows.rows = 3;
+    rows.columns = {{{"q1", "mm"}, {-92, 0, 94}}, {{"x", "mm"}, {-92, 0, 94}}};
+    const auto imported = store.runs().import_dataset(file, rows);
+    ASSERT_TRUE(imported) << imported.error().message;
+    auto record = *store.models().model(ModelId{1});
+    auto model = *formats::read_model_json(record.json);
+    model.lineage.runs = {imported->id};
+    model.lineage.dataset_hash = "of a file";
+    record.json = formats::write_model_json(model);
+    record.hash = *formats::stored_model_hash(record.json);
+    ASSERT_TRUE(store.models().add_model(record));
+  });
+  const auto page = run({"model", "show", "2"});
+  EXPECT_THAT(page.out, HasSubstr("cell file   none: not fitted from a run of this cell\n"));
+  EXPECT_THAT(page.out, testing::Not(HasSubstr("Instruments, as declared")));
+  EXPECT_THAT(run({"run", "show", "1"}).out,
+              HasSubstr("cell file     none: its rows are a file's, imported\n"));
+  const auto nobody = run({"model", "promote", "2"});
+  EXPECT_EQ(nobody.exit, 2);
+  EXPECT_THAT(nobody.err, HasSubstr("this cell did not measure run 1 'messung.csv'"));
+  EXPECT_THAT(nobody.err, HasSubstr("with q1_mm from -92 to 94, in 2 rows beyond its soft limits"));
   EXPECT_EQ(run({"model", "promote", "2", "--yes"}).exit, 0);
 }
 

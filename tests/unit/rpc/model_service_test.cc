@@ -146,7 +146,12 @@ TEST_F(ModelServiceTest, ListsResidualsWithTheChannelsTheyMayGoWith) {
 
 TEST_F(ModelServiceTest, PromotesOneAndRollsBackToNone) {
   ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
-  EXPECT_TRUE(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(1))->model().serving());
+  auto promoted = of<v1::PromoteModelRequest>(1);
+  EXPECT_THAT(ask(&ModelStub::PromoteModel, promoted),
+              FailsWith(ErrorCode::failed_precondition, "NEEDS_CONFIRMATION"))
+      << "no run of this cell made it";
+  promoted.set_confirmed(true);
+  EXPECT_TRUE(ask(&ModelStub::PromoteModel, promoted)->model().serving());
   EXPECT_TRUE(ask(&ModelStub::ListModels, v1::ListModelsRequest{})->models(0).serving());
   EXPECT_EQ(ask(&ModelStub::ListModels, v1::ListModelsRequest{})->models(0).outputs(0).terms_size(),
             0)

@@ -61,7 +61,7 @@ TEST(Target, IsTheSameByEveryDoor) {
   cell.start_daemon();
   ASSERT_EQ(cell.end_of(cell.start_run(campaign(3, 6))).at("state"), "done");
   const auto fit = cell.ask({"fit", "--run", "1", "--model", "q ~ x + x^2 + t05"});
-  cell.say({"model", "promote", std::to_string(fit.at("model_id").get<int>())});
+  cell.say({"model", "promote", std::to_string(fit.at("model_id").get<int>()), "--yes"});
   // No new temperatures: the conditions stay what they are long enough to ask four times.
   cell.control("fault mute scanner 1000000 s");
   bool one_snapshot = false, python_is_here = true;

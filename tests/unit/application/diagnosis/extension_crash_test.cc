@@ -79,7 +79,8 @@ void die_at(const std::string& database, const std::string& point) {
     if (!cell.await(cell->diagnoses.create(cell.ada, request))) ::_exit(4);
     cell.until(
         [&] { return cell.await(cell->diagnoses.get({1}))->record.state == JobState::done; });
-    if (!cell.await(cell->extensions.accept(cell.ada, {DiagnosisId{1}, {}, true}))) ::_exit(5);
+    if (!cell.await(cell->extensions.accept(cell.ada, {DiagnosisId{1}, {}, true, true})))
+      ::_exit(5);
     static_cast<void>(cell.await(cell->extensions.undo(cell.ada, DiagnosisId{1})));
     ::_exit(0);
   }

@@ -51,8 +51,8 @@ TEST_F(ModelDamage, AChangedCoefficientIsRefusedAndNoOtherModelTakesItsPlace) {
   const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
   cell->finish_run();
   const auto first = fit(run.id, "q1 ~ x"), second = fit(run.id, "q1 ~ x + x^2");
-  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, first.id)));
-  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, second.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, first.id, true)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, second.id, true)));
   restart_after(
       "UPDATE model SET json = replace(json, '\"p_enter\":0.05', '\"p_enter\":0.06') "
       "WHERE model_id = " +
@@ -66,10 +66,10 @@ TEST_F(ModelDamage, AChangedCoefficientIsRefusedAndNoOtherModelTakesItsPlace) {
   EXPECT_EQ(models[0].damage, "");
   EXPECT_THAT(models[1].damage, HasSubstr("hash"));
   EXPECT_EQ(cell->await((*cell)->models.get(second.id)).error().reason, "MODEL_DAMAGED");
-  EXPECT_EQ(cell->await((*cell)->promotions.promote(cell->ada, second.id)).error().reason,
+  EXPECT_EQ(cell->await((*cell)->promotions.promote(cell->ada, second.id, true)).error().reason,
             "MODEL_DAMAGED");
   // A person chooses another one.
-  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, first.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, first.id, true)));
   EXPECT_EQ(cell->status().serving, first.id);
   EXPECT_EQ(refusal().reason, "NOT_REFUSED");
   cell->pass(30);
@@ -80,7 +80,7 @@ TEST_F(ModelDamage, ATextThatIsNoModelAnyMoreIsRefusedToo) {
   const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
   cell->finish_run();
   const auto model = fit(run.id, "q1 ~ x");
-  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model.id, true)));
   restart_after("UPDATE model SET json = substr(json, 1, 100)");
   EXPECT_EQ(refusal().reason, "MODEL_DAMAGED");
   EXPECT_THAT(*cell->await((*cell)->models.list()), SizeIs(1));
@@ -91,7 +91,7 @@ TEST_F(ModelDamage, AnUndamagedModelServesAgainAfterARestart) {
   cell->finish_run();
   const auto model = fit(run.id, "q1 ~ x + t01");
   EXPECT_EQ(formats::stored_model_hash(model.json).value_or(""), model.hash);
-  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model.id, true)));
   restart_after("SELECT 1 WHERE 0");
   EXPECT_EQ(cell->status().serving, model.id);
 }

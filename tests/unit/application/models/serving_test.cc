@@ -55,7 +55,7 @@ TEST_F(ServingTest, NothingServesBeforeAPromotion) {
 
 TEST_F(ServingTest, ThePromotedModelFollowsTheTemperature) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
   EXPECT_EQ(cell.status().serving, model.id);
   const double before_mm = target_mm(1.0);
   cell.pass(600);  // two thirds of a kelvin: the world grows by 150 nm/K
@@ -69,7 +69,7 @@ TEST_F(ServingTest, ThePastOfATargetIsMadeFromTheRecordedTemperatures) {
   EXPECT_EQ(cell.await(cell->targets.past(query)).error().reason, "NO_MODEL");
   const auto model = fit_after_campaign();
   cell.pass(1800);  // before it serves: what it would have said is known all the same
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
   query.past = std::chrono::minutes(20);
   query.count = 40;
   const auto past = cell.await(cell->targets.past(query));
@@ -175,7 +175,7 @@ TEST_F(ServingTest, AFormulaIsJudgedOnTheRowsOfARun) {
 
 TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
   cell.pass(1800);  // 150 nm of drift since the campaign's end, more since its zero
   auto request = application::CreateRun{};
   request.trajectory_text =
@@ -200,7 +200,7 @@ TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
 
 TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
   world.bend_nm_per_mm2 = 0;
   auto request = application::CreateRun{};
   request.trajectory_text =
@@ -261,7 +261,7 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
 
 TEST_F(ServingTest, ATargetAfterHomingByHandCountsFromTheNewDatum) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
   const auto run_datum = cell.await(cell.datums(RunId{1}))->back();
   cell.pass(1800);         // 300 nm of growth since, which is what the instruments would show ...
   world.homing_nm = 2000;  // ... and scales that begin elsewhere
@@ -324,8 +324,8 @@ TEST_F(ServingTest, RollBackServesTheModelBefore) {
   fit.select = "all";
   const auto second = cell.await(cell->models.fit(cell.ada, fit));
   ASSERT_TRUE(second) << second.error().message;
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, first.id)));
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, second->id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, first.id, true)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, second->id, true)));
   const auto back = cell.await(cell->promotions.roll_back(cell.ada));
   ASSERT_TRUE(back && *back);
   EXPECT_EQ((*back)->id, first.id);

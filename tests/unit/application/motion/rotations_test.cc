@@ -39,7 +39,7 @@ TEST_F(Turning, AWantedRotationIsReachedByAModel) {
   fit.formula = "q1 ~ rx";
   const auto model = cell.await(cell->models.fit(cell.ada, fit));
   ASSERT_TRUE(model) << model.error().message;
-  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model->id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model->id, true)));
   application::CreateRun request;
   request.trajectory_text = "rx_deg,set\n0.01,validation\n-0.005,validation\n";
   const auto uncompensated = cell.try_run(request);

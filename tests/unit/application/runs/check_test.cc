@@ -24,7 +24,7 @@ class Check : public testing::Test {
     request.formula = "q ~ x + T";
     const auto model = cell.await(cell->models.fit(cell.ada, request));
     ASSERT_TRUE(model) << model.error().message;
-    ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model->id)));
+    ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model->id, true)));
     cell.pass(60);
   }
   Folder folder;
