@@ -67,7 +67,8 @@ _FLAGS = {1: ("OUTSIDE_DOMAIN", "outside_channels"), 2: ("STALE_TEMPERATURE", "s
           5: ("UNANCHORED_DATUM", None), 6: ("OUTSIDE_LIMITS", "unreachable_channels"),
           7: ("UNKNOWN_LIMITS", "unlimited_channels"), 8: ("IGNORED_COORDINATE", "ignored_channels"),
           9: ("CONFIGURATION_CHANGED", None), 10: ("UNJUDGED_MODEL", None),
-          11: ("ZERO_OUTSIDE_DOMAIN", "zero_outside_channels")}
+          11: ("ZERO_OUTSIDE_DOMAIN", "zero_outside_channels"),
+          12: ("DOUBTFUL_MODEL", None)}
 _ROLES = {1: "viewer", 2: "controller", 3: "operator", 4: "engineer", 5: "admin"}
 _PACKAGE = "driftwise.client.v1"  # another name than the daemon's: generated classes may be loaded beside these
 

@@ -146,6 +146,8 @@ struct Snapshot {
   std::optional<PresentGeometry> geometry{};  // none: the polynomials alone
   // No data judged the model (an imported geometry): targets have no uncertainty, and a flag.
   bool unjudged = false;
+  // Measurements since it was made disagree with it (check standard): recalibrate. A flag only.
+  bool doubtful = false;
 };
 
 }  // namespace driftwise::compensation

@@ -111,6 +111,7 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
   if (target.unlimited) target.flags |= kUnknownLimits;
   if (snapshot.configuration_changed) target.flags |= kConfigurationChanged;
   if (snapshot.unjudged) target.flags |= kUnjudgedModel;
+  if (snapshot.doubtful) target.flags |= kDoubtfulModel;
   target.ignored = request.given & ~snapshot.needed;
   if (target.ignored) target.flags |= kIgnoredCoordinate;
 }
@@ -332,6 +333,7 @@ void append_flags(std::string& out, const Snapshot& snapshot, const Target& targ
   if (target.flags & kConfigurationChanged) add(reasons::kConfigurationChanged.view(), 0);
   if (target.flags & kUnjudgedModel) add("UNJUDGED_MODEL", 0);
   if (target.flags & kZeroOutsideDomain) add("ZERO_OUTSIDE_DOMAIN", snapshot.zero_outside);
+  if (target.flags & kDoubtfulModel) add("DOUBTFUL_MODEL", 0);
 }
 
 std::string describe_flags(const Snapshot& snapshot, const Target& target) {

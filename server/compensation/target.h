@@ -63,6 +63,7 @@ enum TargetFlag : std::uint32_t {
       1u << 9,  // an imported geometry: neither its domain nor its uncertainty is known
   kZeroOutsideDomain =
       1u << 10,  // the zero of the present datum was taken outside: see Snapshot::zero_outside
+  kDoubtfulModel = 1u << 11,  // the last check of the model against new measurements failed
 };
 
 enum class Refusal : std::uint8_t {

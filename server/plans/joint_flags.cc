@@ -129,6 +129,7 @@ class FlagText {
     add_inputs(compensation::kUnanchoredDatum, "UNANCHORED_DATUM", 0);
     add_inputs(compensation::kConfigurationChanged, reasons::kConfigurationChanged.view(), 0);
     add_inputs(compensation::kZeroOutsideDomain, "ZERO_OUTSIDE_DOMAIN", model.zero_outside);
+    add_inputs(compensation::kDoubtfulModel, "DOUBTFUL_MODEL", 0);
   }
 
  private:

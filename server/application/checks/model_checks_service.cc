@@ -133,8 +133,13 @@ Awaitable<Result<ModelCheck>> ModelChecksService::check_model(std::optional<Mode
       worker_, [](Material& whole) { return judge(std::move(whole)); }, std::move(material));
 }
 
+void ModelChecksService::set_trouble(std::string trouble) {
+  trouble_ = std::move(trouble);
+  serving_.doubt(trouble_.empty() ? std::nullopt : serving_.model());
+}
+
 void ModelChecksService::served_another(bool any) {
-  trouble_.clear();
+  set_trouble("");
   if (!any) return;
   tasks_.spawn(check_served(std::nullopt));
 }
@@ -156,10 +161,11 @@ Awaitable<void> ModelChecksService::check_served(std::optional<RunId> after) {
     if (after) events_.record_own("check.failed", check.error().message, after);
   } else if (serving_.model() == model) {
     const auto& report = check->report;
-    trouble_.clear();
-    if (report.verdict == diagnosis::CheckVerdict::recalibrate)
-      trouble_ = fmt::format("recalibrate now: the robot no longer does what model {} says: {}",
-                             model->value, fmt::join(report.reasons, "; "));
+    set_trouble(
+        report.verdict == diagnosis::CheckVerdict::recalibrate
+            ? fmt::format("recalibrate now: the robot no longer does what model {} says: {}",
+                          model->value, fmt::join(report.reasons, "; "))
+            : "");
     const bool says_it = after && !check->runs.empty() && check->runs.back().id == *after;
     if (says_it && report.verdict == diagnosis::CheckVerdict::recalibrate)
       events_.record_own("check.recalibrate", trouble_, after);

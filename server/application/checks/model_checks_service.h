@@ -37,6 +37,7 @@ class ModelChecksService final : public ModelChecks {
   const std::string& trouble() const { return trouble_; }
 
  private:
+  void set_trouble(std::string trouble);  // empty: none. Targets have a flag meanwhile
   Awaitable<void> check_served(std::optional<RunId> after);
 
   asio::any_io_executor worker_;

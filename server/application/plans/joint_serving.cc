@@ -143,6 +143,7 @@ plans::JointSnapshot JointServing::snapshot_now() const {
     const bool asks = configuration_.asks();
     snapshot = followed_->builder.build(
         clock_.now().utc, [&](ModelId model, compensation::Snapshot& part) {
+          part.doubtful = serving_.is_doubtful(model);
           if (!asks) return;
           part.configuration_changed = true;
           const auto& origin = followed_->origins.at(model);

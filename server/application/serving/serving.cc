@@ -105,6 +105,12 @@ Awaitable<Result<void>> Serving::follow(ModelRecord model) {
   co_return Result<void>{};
 }
 
+void Serving::doubt(std::optional<ModelId> model) {
+  if (doubtful_ == model) return;
+  doubtful_ = model;
+  rebuild();
+}
+
 void Serving::anchor(const DatumRecord& datum) {
   datum_ = datum;
   for (auto& [id, followed] : followed_) set_anchor(id, followed);
@@ -143,6 +149,7 @@ void Serving::observe(const Reading& reading) {
 
 compensation::Snapshot Serving::snapshot_of(const Followed& followed, CellTime now) const {
   auto snapshot = followed.builder.build(now);
+  snapshot.doubtful = is_doubtful(snapshot.model);
   if (!configuration_.asks()) return snapshot;
   snapshot.configuration_changed = true;
   if (!followed.under_present) snapshot.changed_parts = configuration_.changes_of(followed.symbols);

@@ -39,6 +39,9 @@ class Serving final : public Targets {
   // Follows a model for a compensated run, beside the one that serves. Does nothing when it is
   // followed already.
   Awaitable<Result<void>> follow(ModelRecord model);
+  // Measurements disagree with this model: its targets say so. None: with no model.
+  void doubt(std::optional<ModelId> model);
+  bool is_doubtful(ModelId model) const { return doubtful_ == model; }
   // The question of the cell file was answered.
   void look_again() { rebuild(); }
   // The zeroing that is in force. Everything followed is anchored to it.
@@ -93,6 +96,7 @@ class Serving final : public Targets {
   std::map<ModelId, Followed> followed_;
   std::optional<ModelId> serving_;
   std::optional<Error> refused_;  // nothing serves because of this
+  std::optional<ModelId> doubtful_;
   std::optional<DatumRecord> datum_;
   std::shared_ptr<void> watch_;
   CellTime built_at_;

@@ -84,6 +84,7 @@ void add_flags(const compensation::Snapshot& snapshot, const compensation::Targe
   add(compensation::kConfigurationChanged, v1::Target::FLAG_CONFIGURATION_CHANGED);
   add(compensation::kUnjudgedModel, v1::Target::FLAG_UNJUDGED_MODEL);
   add(compensation::kZeroOutsideDomain, v1::Target::FLAG_ZERO_OUTSIDE_DOMAIN);
+  add(compensation::kDoubtfulModel, v1::Target::FLAG_DOUBTFUL_MODEL);
   for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
     const std::uint64_t mine = std::uint64_t{1} << i;
     if ((target.outside & mine) != 0) out.add_outside_channels(snapshot.inputs[i].channel.name());

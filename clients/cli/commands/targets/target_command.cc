@@ -74,6 +74,10 @@ void print_flags(const Console& console, const v1::Target& target) {
     if (flag == v1::Target::FLAG_OUTSIDE_LIMITS) line = unreachable_text(target);
     if (flag == v1::Target::FLAG_UNJUDGED_MODEL)
       line += ": no data judged it, so neither its domain nor its uncertainty is known";
+    if (flag == v1::Target::FLAG_DOUBTFUL_MODEL)
+      line +=
+          ": the robot no longer does what it says (driftwise model check), so the error may "
+          "exceed the uncertainty: recalibrate";
     console.out << paint.warn("! ") << line << '\n';
   }
 }

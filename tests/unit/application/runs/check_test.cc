@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "server/compensation/target.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -58,6 +59,33 @@ TEST_F(Check, SaysRecalibrateNowOfARobotThatDriftsOtherwise) {
   // A new model of the robot as it is now, and nothing is wrong any more.
   learn_and_serve();
   EXPECT_THAT(cell.status().attention, IsEmpty());
+}
+
+TEST_F(Check, FlagsTheTargetsOfADoubtfulModelAndChangesNoNumber) {
+  learn_and_serve();
+  const auto target = [this] {
+    compensation::TargetRequest request;
+    request.set(compensation::Variable::x, 1.0);
+    return compensation::compute_target(*cell->targets.snapshots().read(), request);
+  };
+  EXPECT_EQ(target().flags & compensation::kDoubtfulModel, 0u);
+  world.nm_per_k = 1500;
+  world.warming_k_per_h = 3;
+  measure(4);
+  cell.pass(60);
+  const auto snapshot = cell->targets.snapshots().read();
+  compensation::TargetRequest request;
+  request.set(compensation::Variable::x, 1.0);
+  const auto flagged = compensation::compute_target(*snapshot, request);
+  EXPECT_NE(flagged.flags & compensation::kDoubtfulModel, 0u);
+  EXPECT_THAT(compensation::describe_flags(*snapshot, flagged), HasSubstr("DOUBTFUL_MODEL"));
+  auto trusted = *snapshot;
+  trusted.doubtful = false;
+  const auto same = compensation::compute_target(trusted, request);
+  EXPECT_EQ(same.q_mm[0], flagged.q_mm[0]);
+  EXPECT_EQ(same.u_nm[0], flagged.u_nm[0]);
+  learn_and_serve();
+  EXPECT_EQ(target().flags & compensation::kDoubtfulModel, 0u) << "another model serves";
 }
 
 TEST_F(Check, WithoutAModelThereIsNothingToSay) {

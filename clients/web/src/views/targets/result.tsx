@@ -71,6 +71,7 @@ const flagWords: Record<number, string> = {
   [Target_Flag.IGNORED_COORDINATE]: 'the model does not depend on a stated coordinate',
   [Target_Flag.CONFIGURATION_CHANGED]: 'the cell file has changed, in parts that this model does not use; nobody has accepted it yet',
   [Target_Flag.UNJUDGED_MODEL]: 'no data judged the model',
+  [Target_Flag.DOUBTFUL_MODEL]: 'the robot no longer does what the model says: recalibrate; the error may exceed the uncertainty',
   [Target_Flag.UNANCHORED_DATUM]: 'the present datum is not known: the constant is that of the model\'s own',
   [Target_Flag.ZERO_OUTSIDE_DOMAIN]: 'the zero of the present datum was taken outside what the model was fitted on',
 };
