@@ -38,8 +38,9 @@ double weighted(const std::vector<double>& columns, const std::vector<double>& w
 }
 
 template <class Shift>
-bool holds_for(const Shift& shift, RunId run) {
-  return shift.runs.empty() || std::ranges::find(shift.runs, run) != shift.runs.end();
+bool holds_for(const Shift& shift, const RowOrigin& origin) {
+  return shift.runs.empty() ? !origin.of_file
+                            : std::ranges::find(shift.runs, origin.run) != shift.runs.end();
 }
 
 // Of the dataset's time_s against the clock that the shift's terms read.
@@ -69,7 +70,7 @@ Result<std::optional<std::vector<double>>> shift_by_row(const Shift& shift,
   std::map<DatumKey, double> at_zero;
   std::vector<double> by_row(dataset.rows, 0.0);
   for (std::size_t row = 0; row < dataset.rows; ++row) {
-    if (!holds_for(shift, origins[row].run)) continue;
+    if (!holds_for(shift, origins[row])) continue;
     const double time_s = dataset.time_s.empty() ? 0.0 : dataset.time_s[row] + offset_s;
     for (std::size_t j = 0; j < symbols.size(); ++j) {
       now[j] = values[j][row];

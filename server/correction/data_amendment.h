@@ -24,8 +24,9 @@ struct LengthShift {
   std::string axis;                  // "x"
   std::vector<effects::Term> terms;  // of what was measured
   std::vector<double> mm;            // per unit of each term
-  // Terms that read the data's own clock (drift, a period in time) mean something in the runs they
-  // were found in only; empty: the shift holds for every run.
+  // Runs that the shift holds for, where it does not hold for every run that the cell measured:
+  // terms that read the data's own clock (drift, a period in time) mean something in the runs they
+  // were found in only, and what was found in a file is of the file's instrument. Empty: all those.
   std::vector<RunId> runs;
   CellTime clock_origin;  // what time_s counted from there
   bool operator==(const LengthShift&) const = default;
@@ -40,7 +41,7 @@ struct AngleShift {
   std::vector<double> arcsec;    // per unit of each term
   std::vector<double> u_arcsec;  // standard uncertainty of each
   std::string source;            // where they come from: "41 returns to zero of run 3"
-  std::vector<RunId> runs;       // empty: every run
+  std::vector<RunId> runs;       // empty: every run that the cell measured
   CellTime clock_origin;
   bool operator==(const AngleShift&) const = default;
 };
@@ -71,6 +72,7 @@ struct DataAmendment {
 struct RowOrigin {  // where a row of a dataset comes from
   RunId run;
   std::int64_t row = 0;  // of its trajectory
+  bool of_file = false;  // imported: measured by instruments of another place
 };
 
 // origins: one per row of the dataset; time_zero: what its time_s counts from (utc_ns 0: a file).

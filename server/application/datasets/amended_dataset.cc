@@ -33,9 +33,11 @@ Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
 // were named, each by its rows.
 Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& out) {
   std::vector<PointRecord> measured, imported;
+  std::set<RunId> of_files;
   for (const RunId run : runs) {
     DRIFTWISE_TRY(const auto record, store.runs().run(run));
     DRIFTWISE_TRY(auto points, points_of(store, run));
+    if (is_of_file(record)) of_files.insert(run);
     const bool is_imported = record.reason == "imported";
     if (is_imported) std::ranges::sort(points, {}, &PointRecord::row);
     auto& to = is_imported ? imported : measured;
@@ -46,7 +48,8 @@ Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& o
   });
   if (!measured.empty()) out.time_zero = measured.front().measured.utc;
   for (const auto* points : {&measured, &imported})
-    for (const auto& point : *points) out.origins.push_back({point.run, point.row});
+    for (const auto& point : *points)
+      out.origins.push_back({point.run, point.row, of_files.contains(point.run)});
   if (out.origins.size() == out.data.rows) return {};
   return fail(ErrorCode::internal, reasons::kRowsDiffer,
               "the runs have " + std::to_string(out.origins.size()) + " points and their dataset " +
@@ -114,6 +117,14 @@ void add_metadata(Store& store, std::span<const RunId> runs, Dataset& dataset) {
   add_instruments(store, runs, dataset);
 }
 
+Result<bool> any_of_file(Store& store, std::span<const RunId> runs) {
+  for (const RunId id : runs) {
+    DRIFTWISE_TRY(const auto run, store.runs().run(id));
+    if (is_of_file(run)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
@@ -124,32 +135,47 @@ Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
   return out;
 }
 
+void confine(correction::DataAmendment& amendment, const std::vector<RunId>& runs) {
+  for (auto& shift : amendment.shifts)
+    if (shift.runs.empty()) shift.runs = runs;
+}
+
+// Earlier versions accepted a finding about a file's instrument for every run.
+Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRecord& record) {
+  auto amendment = formats::read_amendment_json(record.json);
+  if (!amendment)
+    return fail(ErrorCode::data_loss, reasons::kBadCorrection,
+                "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
+  if (!record.diagnosis || !concerns_every_run(*amendment)) return amendment;
+  DRIFTWISE_TRY(const auto diagnosis, store.diagnoses().diagnosis(*record.diagnosis));
+  DRIFTWISE_TRY(const bool of_file, any_of_file(store, diagnosis.runs));
+  if (of_file) confine(*amendment, diagnosis.runs);
+  return amendment;
+}
+
 Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store) {
   DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   std::vector<correction::DataAmendment> amendments;
   for (const auto& record : records) {
     if (!record.in_force()) continue;
-    auto amendment = formats::read_amendment_json(record.json);
-    if (!amendment)
-      return fail(
-          ErrorCode::data_loss, reasons::kBadCorrection,
-          "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
-    amendments.push_back(std::move(*amendment));
+    DRIFTWISE_TRY(auto amendment, amendment_of(store, record));
+    amendments.push_back(std::move(amendment));
   }
   return amendments;
 }
 
 Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs) {
   DRIFTWISE_TRY(const auto records, store.extensions().corrections());
+  std::vector<RunRecord> asked;
+  for (const RunId id : runs) {
+    DRIFTWISE_TRY(auto run, store.runs().run(id));
+    asked.push_back(std::move(run));
+  }
   std::vector<CorrectionId> over;
   for (const auto& record : records) {
     if (!record.in_force()) continue;
-    const auto amendment = formats::read_amendment_json(record.json);
-    if (!amendment)
-      return fail(
-          ErrorCode::data_loss, reasons::kBadCorrection,
-          "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
-    if (std::ranges::any_of(runs, [&](RunId run) { return concerns(*amendment, run); }))
+    DRIFTWISE_TRY(const auto amendment, amendment_of(store, record));
+    if (std::ranges::any_of(asked, [&](const auto& run) { return concerns(amendment, run); }))
       over.push_back(record.id);
   }
   return over;

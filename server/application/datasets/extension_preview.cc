@@ -62,11 +62,13 @@ bool concerns_every_run(const correction::DataAmendment& amendment) {
          std::ranges::any_of(amendment.angles, is_everywhere);
 }
 
-bool concerns(const correction::DataAmendment& amendment, RunId run) {
+bool concerns(const correction::DataAmendment& amendment, const RunRecord& record) {
+  const RunId run = record.id;
   const auto names_it = [run](const auto& shift) {
     return std::ranges::find(shift.runs, run) != shift.runs.end();
   };
-  return concerns_every_run(amendment) || std::ranges::any_of(amendment.shifts, names_it) ||
+  return (concerns_every_run(amendment) && !is_of_file(record)) ||
+         std::ranges::any_of(amendment.shifts, names_it) ||
          std::ranges::any_of(amendment.angles, names_it) ||
          std::ranges::find(amendment.splits, run, &correction::DatumSplit::run) !=
              amendment.splits.end() ||

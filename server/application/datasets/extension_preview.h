@@ -15,8 +15,9 @@ namespace driftwise::application {
 Result<std::vector<LengthChange>> length_changes(Store& store, RunId run,
                                                  const correction::DataAmendment& amendment);
 
-// Runs whose data an amendment can change: every one, or those that it names.
-bool concerns(const correction::DataAmendment& amendment, RunId run);
+// Runs whose data an amendment can change: every one that the cell measured, or those that it
+// names.
+bool concerns(const correction::DataAmendment& amendment, const RunRecord& run);
 bool concerns_every_run(const correction::DataAmendment& amendment);
 
 // "x_mm of run 3 'weekend' by up to 3219 nm (rms 812 nm) in 200 rows, from 2026-11-20T08:12:00Z"

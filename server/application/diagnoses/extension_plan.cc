@@ -13,6 +13,7 @@
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/correction/first_conditions.h"
+#include "server/diagnosis/report/sentence.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
 #include "server/formats/diagnosis/robot_names.h"
@@ -197,16 +198,15 @@ class Planner {
         outputs_, {axes_.begin() + first, axes_.begin() + first + count}, slopes, seen, error_mm};
     if (auto ok = check_instrument(number, finding, claim, data_.data); !ok) return ok;
     const bool is_timed = reads_data_time(finding.terms);
+    const bool of_file = std::ranges::any_of(data_.origins, &correction::RowOrigin::of_file);
     for (Eigen::Index i = 0; i < count; ++i) {
       correction::LengthShift shift;
       shift.axis = axes_[static_cast<std::size_t>(first + i)];
       shift.terms = finding.terms;
       for (Eigen::Index j = 0; j < terms; ++j) shift.mm.push_back(error_mm(i, j));
       if (auto ok = correction::count_from_first(data_.data, shift.terms, shift.mm); !ok) return ok;
-      if (is_timed) {
-        shift.runs = runs_in(data_);
-        shift.clock_origin = data_.time_zero;
-      }
+      if (is_timed || of_file) shift.runs = runs_in(data_);
+      if (is_timed) shift.clock_origin = data_.time_zero;
       plan_.amendment.shifts.push_back(std::move(shift));
     }
     return {};
@@ -284,6 +284,13 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
       return fail(ErrorCode::not_found, reasons::kNoSuchFinding,
                   fmt::format("there is no finding {}: the diagnosis has 1 to {}", number, count));
     const auto& finding = found.findings[static_cast<std::size_t>(number - 1)];
+    const std::string alias = finding.terms.empty() ? "" : diagnosis::aliases_note(finding);
+    if (all && !alias.empty())
+      return fail(
+          ErrorCode::failed_precondition, reasons::kIndistinguishable,
+          fmt::format("finding {0} has a period that these data cannot tell: {1}. Where you "
+                      "know the period, accept it by its number (--finding {0})",
+                      number, alias));
     if (all && !finding.indistinguishable_from.empty())
       return fail(ErrorCode::failed_precondition, reasons::kIndistinguishable,
                   fmt::format("finding {} ({} {}) cannot be told apart from {}: choose, by naming "

@@ -16,6 +16,7 @@
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/diagnosis/report/sentence.h"
 #include "server/formats/diagnosis/amendment_json.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/formats/model/model_json.h"
@@ -31,8 +32,8 @@ struct AcceptMaterial {  // read from the store
   RunsData data;
   std::vector<CorrectionId> corrections;  // in force over them
   std::optional<ModelRecord> parent;
-};
   std::vector<DataOfModel> of_runs;  // where the model is to serve
+};
 
 struct MadeExtension {  // by the worker
   ExtensionPlan plan;
@@ -68,12 +69,12 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   material.data = std::move(data);
   DRIFTWISE_TRY(auto corrections, corrections_over(store, material.record.runs));
   material.corrections = std::move(corrections);
-  if (material.record.model) {
   if (request.promote) {
     DRIFTWISE_TRY(auto of_runs,
                   data_of_model(store, material.record.runs, material.record.created));
     material.of_runs = std::move(of_runs);
   }
+  if (material.record.model) {
     DRIFTWISE_TRY(auto parent, store.models().model(*material.record.model));
     DRIFTWISE_RETURN_IF_ERROR(check_integrity(parent));
     material.parent = std::move(parent);
@@ -269,6 +270,20 @@ Awaitable<Result<ExtensionPreview>> ExtensionsService::preview(AcceptRequest req
   preview.later_runs = concerns_every_run(plan.amendment);
   for (const auto& out : plan.exclusions) preview.excluded.push_back({out.run, out.rows});
   preview.further = sentences_of(plan.amendment);
+  if (!plan.amendment.shifts.empty() &&
+      std::ranges::any_of(shared->data.origins, &correction::RowOrigin::of_file))
+    preview.further.push_back(
+        "the rows diagnosed are a file's, of instruments that this cell does not know: the "
+        "correction holds for these runs alone, and for no run that this cell measured or will "
+        "measure");
+  for (const int number : plan.findings)
+    if (auto note =
+            diagnosis::aliases_note(shared->found.findings[static_cast<std::size_t>(number - 1)]);
+        !note.empty())
+      preview.further.push_back(
+          fmt::format("finding {}: {}: where the period is another, what is accepted is wrong "
+                      "everywhere else",
+                      number, note));
   preview.promotion_questions = made.questions;
   preview.sentences = sentences_of(preview, request.promote);
   co_return preview;
@@ -283,7 +298,7 @@ Awaitable<Result<std::vector<LengthChange>>> ExtensionsService::changes_in_all_r
   for (std::int64_t before = 0;;) {
     DRIFTWISE_CO_TRY(const auto page, co_await reader_.runs().runs(kPage, before));
     for (const auto& run : page) {
-      if (run.accepted == 0 || !concerns(amendment, run.id)) continue;
+      if (run.accepted == 0 || !concerns(amendment, run)) continue;
       DRIFTWISE_CO_TRY(auto changes, co_await reader_.call(length_changes, run.id, amendment));
       for (auto& change : changes) {
         change.run_name = run.name;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "server/application/datasets/amended_dataset.h"
 #include "server/application/datasets/extension_preview.h"
-#include "server/application/provenance/promotion_questions.h"
 #include "server/application/provenance/data_of_model.h"
+#include "server/application/provenance/promotion_questions.h"
 #include "server/application/provenance/stored_description.h"
 #include "server/core/try.h"
-#include "server/formats/diagnosis/amendment_json.h"
 #include "server/formats/model/model_json.h"
 
 namespace driftwise::application {
@@ -17,18 +17,18 @@ Result<RunGround> ground_of(Store& store, RunId run,
                             const std::vector<CorrectionRecord>& corrections) {
   RunGround ground;
   DRIFTWISE_TRY(auto used, store.configurations().of_run(run));
+  DRIFTWISE_TRY(const auto record, store.runs().run(run));
   ground.configurations = std::move(used);
   for (const auto& correction : corrections) {
     if (!correction.in_force()) continue;
-    const auto amendment = formats::read_amendment_json(correction.json);
-    if (!amendment || !concerns(*amendment, run)) continue;
+    const auto amendment = amendment_of(store, correction);
+    if (!amendment || !concerns(*amendment, record)) continue;
     auto& mine = ground.corrections.emplace_back(correction);
     std::erase_if(mine.changes, [run](const LengthChange& change) { return change.run != run; });
   }
   return ground;
 }
 
-Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& present) {
 // Whether this cell measured a run after the model was made, which any check of it looks at.
 Result<bool> is_judged_later(Store& store, const ModelRecord& model) {
   constexpr int kNewest = 20;
@@ -38,6 +38,7 @@ Result<bool> is_judged_later(Store& store, const ModelRecord& model) {
   });
 }
 
+Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& present) {
   DRIFTWISE_TRY(const auto record, store.models().model(id));
   DRIFTWISE_TRY(const auto model, formats::read_model_json(record.json));
   ModelGround ground;
@@ -67,9 +68,9 @@ Result<bool> is_judged_later(Store& store, const ModelRecord& model) {
         return std::ranges::find(model.lineage.runs, change.run) == model.lineage.runs.end();
       });
     }
-  std::vector<RunMetadata> metadata;
   DRIFTWISE_TRY(const auto data, data_of_model(store, model.lineage.runs, record.created));
   DRIFTWISE_TRY(const bool judged_later, is_judged_later(store, record));
+  std::vector<RunMetadata> metadata;
   for (const RunId run : model.lineage.runs) {
     DRIFTWISE_TRY(auto of_run, store.runs().run(run));
     metadata.push_back(std::move(of_run.metadata));

@@ -147,6 +147,22 @@ TEST(DataAmendment, AJumpStandsAtItsInstantOfTheClockItWasFoundBy) {
   EXPECT_NEAR(shift_nm(39), 20, 1e-6);
 }
 
+TEST(DataAmendment, LeavesRowsOfAFileAloneUnlessItNamesTheirRun) {
+  auto file = cyclic_data();
+  for (auto& origin : file.origins) origin.of_file = true;
+  DataAmendment amendment;
+  amendment.shifts.resize(1);
+  amendment.shifts[0].axis = "x";
+  amendment.shifts[0].terms = {{{Power{"x", 1}}}};
+  amendment.shifts[0].mm = {1e-3};
+  const auto before = file.data.find("x")->values;
+  ASSERT_TRUE(amend(amendment, file.origins, {}, file.data));
+  EXPECT_EQ(file.data.find("x")->values, before);
+  amendment.shifts[0].runs = {RunId{3}};
+  ASSERT_TRUE(amend(amendment, file.origins, {}, file.data));
+  EXPECT_NE(file.data.find("x")->values, before);
+}
+
 TEST(DataAmendment, LeavesALengthAloneWhenItsChannelIsNotThere) {
   auto data = cyclic_data();
   const auto before = data.data.columns[0].values;

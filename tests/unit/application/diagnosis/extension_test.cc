@@ -12,6 +12,7 @@
 #include "server/compensation/target.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/model/model_json.h"
+#include "storage/sqlite/database.h"
 #include "tests/unit/application/diagnosis/diagnosed_cell.h"
 
 namespace driftwise::tests {
@@ -51,11 +52,22 @@ class ExtensionTest : public testing::Test {
       : d([this](const Dataset&, const dx::DiagnoseOptions& options) -> Result<dx::Diagnosis> {
           return diagnosis_with(options.baseline.formula, findings);
         }) {
-    const auto imported =
-        d.cell.await(d.cell->datasets.import_csv(d.cell.ada, "campaign", imported_csv(), ""));
-    if (!imported) throw std::runtime_error(imported.error().message);
-    run = imported->id;
+    run = imported("campaign");
+    make_own(run);
   }
+  RunId imported(const std::string& name) {
+    const auto of_file =
+        d.cell.await(d.cell->datasets.import_csv(d.cell.ada, name, imported_csv(), ""));
+    if (!of_file) throw std::runtime_error(of_file.error().message);
+    return of_file->id;
+  }
+  // As if this cell had measured its rows: a join of its own runs.
+  void make_own(RunId id) {
+    storage::Database(d.folder / "cell.sqlite", SQLITE_OPEN_READWRITE, "")
+        .execute("UPDATE run SET rules_json = '{\"joined\":{}}' WHERE run_id = " +
+                 std::to_string(id.value));
+  }
+  std::string exported(RunId id) { return *d.cell.await(d.cell->datasets.export_csv({id}, false)); }
   Result<ExtensionRecord> accept(DiagnosisId id, std::vector<int> numbers = {},
                                  bool promote = false) {
     return d.cell.await(d.cell->extensions.accept(d.cell.ada, {id, std::move(numbers), promote}));
@@ -136,7 +148,7 @@ TEST_F(ExtensionTest, ARobotsEffectBecomesAModelThatServesAndTheOneBeforeServesA
   fit.runs = {run};
   fit.formula = "q ~ x";
   const auto parent = *d.cell.await(d.cell->models.fit(d.cell.ada, fit));
-  ASSERT_TRUE(d.cell.await(d.cell->promotions.promote(d.cell.ada, parent.id)));
+  ASSERT_TRUE(d.cell.await(d.cell->promotions.promote(d.cell.ada, parent.id, true)));
   findings = {bend()};
   application::DiagnosisRequest request;
   request.runs = {run};  // baseline: that of the model that serves
@@ -268,11 +280,10 @@ TEST_F(ExtensionTest, RefusesWhatIsNotThere) {
 
 TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
   // An earlier run that the diagnosis never looks at, and the run that it does.
-  const auto other =
-      d.cell.await(d.cell->datasets.import_csv(d.cell.ada, "last week", imported_csv(), ""));
-  ASSERT_TRUE(other);
+  const RunId other = imported("last week");
+  make_own(other);
   findings = {cycle(), outlier()};
-  const auto before = *d.cell.await(d.cell->datasets.export_csv({other->id}, false));
+  const auto before = *d.cell.await(d.cell->datasets.export_csv({other}, false));
   const auto id = d.diagnosed(run, "q ~ x").record.id;
   const auto preview = d.cell.await(d.cell->extensions.preview({id, {}, false}));
   ASSERT_TRUE(preview) << preview.error().message;
@@ -284,7 +295,7 @@ TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
   EXPECT_NEAR(preview->changes[0].largest_nm, kCycleNm, 1);
   EXPECT_NEAR(preview->changes[0].rms_nm, kCycleNm / std::sqrt(2), 2);
   EXPECT_GT(preview->changes[0].rows, 200);
-  EXPECT_EQ(preview->changes[1].run, other->id);
+  EXPECT_EQ(preview->changes[1].run, other);
   EXPECT_EQ(preview->changes[1].run_name, "last week");
   EXPECT_TRUE(preview->earlier_runs);
   EXPECT_TRUE(preview->later_runs);
@@ -292,12 +303,12 @@ TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
   EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("earlier runs too")));
   EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("run 2 'last week' by up to 40")));
   // It changed nothing.
-  EXPECT_EQ(*d.cell.await(d.cell->datasets.export_csv({other->id}, false)), before);
+  EXPECT_EQ(*d.cell.await(d.cell->datasets.export_csv({other}, false)), before);
   EXPECT_TRUE(d.cell.await(d.cell->models.list())->empty());
   // And it told the truth.
   ASSERT_TRUE(accept(id));
   const auto after = *formats::read_dataset_csv(
-      *d.cell.await(d.cell->datasets.export_csv({other->id}, false)), "after");
+      *d.cell.await(d.cell->datasets.export_csv({other}, false)), "after");
   const auto was = *formats::read_dataset_csv(before, "before");
   double largest_nm = 0;
   for (std::size_t row = 0; row < was.rows; ++row)
@@ -305,6 +316,58 @@ TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
         largest_nm, 1e6 * std::abs(after.find("x")->values[row] - was.find("x")->values[row]));
   EXPECT_NEAR(preview->changes[1].largest_nm, largest_nm, 0.01);
   EXPECT_THAT(d.cell.events_named("extension.accepted").at(0), HasSubstr("by up to 40"));
+}
+
+TEST_F(ExtensionTest, ACorrectionFoundInAFileChangesNoRunOfThisCell) {
+  const RunId stranger = imported("messung.csv");
+  const auto own = exported(run), of_file = exported(stranger);
+  findings = {cycle()};
+  const auto id = d.diagnosed(stranger, "q ~ x").record.id;
+  const auto preview = d.cell.await(d.cell->extensions.preview({id, {}, false}));
+  ASSERT_TRUE(preview) << preview.error().message;
+  ASSERT_EQ(preview->changes.size(), 1u);
+  EXPECT_EQ(preview->changes[0].run, stranger);
+  EXPECT_FALSE(preview->earlier_runs);
+  EXPECT_FALSE(preview->later_runs);
+  EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("the rows diagnosed are a file's")));
+  ASSERT_TRUE(accept(id));
+  EXPECT_EQ(exported(run).substr(exported(run).find("time_s")), own.substr(own.find("time_s")));
+  EXPECT_NE(exported(stranger).substr(exported(stranger).find("time_s")),
+            of_file.substr(of_file.find("time_s")));
+  const auto grounds = *d.cell.await(d.cell->provenance.grounds_of_runs({run, stranger}));
+  EXPECT_THAT(grounds[0].corrections, testing::IsEmpty());
+  EXPECT_THAT(grounds[1].corrections, testing::SizeIs(1));
+}
+
+TEST_F(ExtensionTest, ACorrectionOfThisCellsInstrumentLeavesAFileAlone) {
+  const RunId stranger = imported("messung.csv");
+  const auto before = exported(stranger);
+  findings = {cycle()};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto preview = d.cell.await(d.cell->extensions.preview({id, {}, false}));
+  ASSERT_TRUE(preview) << preview.error().message;
+  EXPECT_EQ(preview->changes.size(), 1u);
+  EXPECT_TRUE(preview->later_runs);
+  ASSERT_TRUE(accept(id));
+  const auto after = exported(stranger);
+  EXPECT_EQ(after.substr(after.find("time_s")), before.substr(before.find("time_s")));
+}
+
+// A grid of 0.25 mm: 512 nm look as 1.303 mm do.
+TEST_F(ExtensionTest, APeriodThatLooksLikeOthersIsAcceptedByItsNumberOnly) {
+  auto wave = cycle();
+  wave.parameters = {{.name = "period_nm", .value = 512.094, .aliases = {1.303e6}}};
+  findings = {wave};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto refused = accept(id);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "INDISTINGUISHABLE");
+  EXPECT_THAT(refused.error().message, HasSubstr("looks the same as 1.303 mm"));
+  EXPECT_THAT(refused.error().message, HasSubstr("--finding 1"));
+  const auto preview = d.cell.await(d.cell->extensions.preview({id, {1}, false}));
+  ASSERT_TRUE(preview) << preview.error().message;
+  EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("looks the same as 1.303 mm")));
+  EXPECT_TRUE(accept(id, {1}));
 }
 
 TEST_F(ExtensionTest, MarksRunsAndModelsThatRestOnACorrection) {
@@ -325,7 +388,7 @@ TEST_F(ExtensionTest, MarksRunsAndModelsThatRestOnACorrection) {
     const auto ground = *d.cell.await(d.cell->provenance.ground_of_model(model));
     ASSERT_EQ(ground.corrections.size(), 1u) << "model " << model.value;
     EXPECT_TRUE(ground.corrections[0].in_force());
-    EXPECT_TRUE(ground.promotion_questions.empty());
+    EXPECT_THAT(ground.promotion_questions, testing::Each(testing::Not(HasSubstr("correction"))));
   }
   ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, id)));
   EXPECT_TRUE(d.cell.await(d.cell->provenance.grounds_of_runs({run}))->front().corrections.empty());
