@@ -79,7 +79,7 @@ ProcedureStep measured_step(const ProcedureFacts& facts) {
   std::int64_t points = 0, runs = 0;
   std::vector<std::string> setups;
   for (const auto& run : facts.runs) {
-    if (!run.done || run.compensated) continue;
+    if (!run.done || run.compensated || run.joined) continue;
     ++runs;
     points += run.points;
     if (!run.setup.empty() && std::ranges::find(setups, run.setup) == setups.end())
@@ -107,7 +107,11 @@ ProcedureStep model_step(const ProcedureFacts& facts) {
   }
   step.found = fmt::format("model {}: A90 {}", facts.model->id, judged_text(facts.model->accuracy));
   step.figures = figures_of(facts.model->accuracy, facts);
-  if (facts.model->validation_rows == 0) {
+  if (!facts.model->doubt.empty()) {
+    step.missing = fmt::format("recalibrate now: the robot no longer does what model {} says: {}",
+                               facts.model->id, facts.model->doubt);
+    step.command = "driftwise model check";
+  } else if (facts.model->validation_rows == 0) {
     step.missing = "it was judged on no validation rows";
     step.command = "driftwise trajectory generate ... --validation";
   } else if (!facts.model->serving) {
@@ -203,6 +207,12 @@ ProcedureStep reached_step(const ProcedureFacts& facts) {
     step.state = State::not_reached;
     step.found = missed;
     go_back(facts, step);
+  } else if (facts.model && !facts.model->doubt.empty()) {
+    step.state = State::not_reached;
+    step.back_to = 2;
+    step.missing = fmt::format("back to step 2: A90 {} was measured before the robot changed",
+                               judged_text(facts.verified));
+    step.command = "driftwise model check";
   } else if (!unmeasured.empty()) {
     step.missing = fmt::format("run {} measured nothing of: {}",
                                facts.verified_run ? *facts.verified_run : 0, unmeasured);

@@ -28,6 +28,7 @@ struct ProcedureFacts {
     std::string setup{};
     bool done = false, compensated = false;
     std::int64_t points = 0;
+    bool joined = false;  // made of others of these
   };
   std::vector<Run> runs{};                 // newest first
   std::optional<std::int64_t> campaign{};  // the newest run that states a wanted accuracy ...
@@ -46,6 +47,7 @@ struct ProcedureFacts {
     double largest_u_nm = 0;
     bool largest_is_measured = false;  // a line of the fit, not of an instrument
     double combined_u_nm = 0;          // of all lines of the budget
+    std::string doubt{};               // measurements that disagree with it; empty: none
   };
   std::optional<Model> model{};                // the one that serves, else the newest
   std::optional<std::int64_t> verified_run{};  // the newest compensated run that is done

@@ -46,12 +46,14 @@ std::vector<ProcedureSource> sources_of(const CellDescription& cell) {
 
 void take_runs(const std::vector<RunRecord>& newest_first, ProcedureFacts& facts) {
   for (const auto& run : newest_first) {
+    if (is_of_file(run)) continue;
     const bool done = run.state == RunState::done, compensated = compensation_of(run).compensated;
     facts.runs.push_back({.id = run.id.value,
                           .setup = setup_of(run),
                           .done = done,
                           .compensated = compensated,
-                          .points = run.accepted});
+                          .points = run.reason == "imported" ? 0 : run.accepted,
+                          .joined = run.reason == "imported"});
     if (compensated && done && !facts.verified_run) facts.verified_run = run.id.value;
     if (facts.campaign) continue;
     for (const auto& item : run.metadata) {
@@ -108,6 +110,13 @@ Awaitable<Result<void>> Procedures::look_at_model(ProcedureFacts& facts) {
       found.combined_u_nm = line->combined_u_nm;
       found.largest_is_measured = !compensation::is_declared(line->source);
     }
+  }
+  if (found.serving) {
+    auto checking = cell_.checks.check_model(chosen->id, {});
+    if (const auto check = co_await std::move(checking);
+        check && check->report.verdict == diagnosis::CheckVerdict::recalibrate)
+      for (const auto& reason : check->report.reasons)
+        found.doubt += (found.doubt.empty() ? "" : "; ") + reason;
   }
   facts.model = std::move(found);
   co_return Result<void>{};

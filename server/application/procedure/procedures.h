@@ -16,7 +16,8 @@ namespace driftwise::application {
 // measure each.
 std::vector<ProcedureSource> sources_of(const CellDescription& cell);
 
-// Newest first: what the runs are, and the newest statement of a wanted accuracy.
+// Newest first: what the runs are, and the newest statement of a wanted accuracy. Runs whose rows
+// are a file's are none of this cell's procedure.
 void take_runs(const std::vector<RunRecord>& newest_first, ProcedureFacts& facts);
 
 class Procedures {

@@ -1,7 +1,5 @@
 #include "clients/cli/commands/procedure/procedure_command.h"
 
-#include <algorithm>
-
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/text.h"
 #include "driftwise/v1/study_service.grpc.pb.h"
@@ -68,10 +66,10 @@ ExitCode show_procedure(const Session& session) {
   } else {
     print_steps(session.console, procedure);
   }
-  const bool missed = std::ranges::any_of(procedure.steps(), [](const v1::ProcedureStep& step) {
-    return step.state() == v1::ProcedureStep::STATE_NOT_REACHED;
-  });
-  return missed ? ExitCode::negative : ExitCode::done;
+  // The last step says whether the wanted accuracy is reached; nothing wanted is not reached.
+  const bool reached = !procedure.steps().empty() &&
+                       procedure.steps().rbegin()->state() == v1::ProcedureStep::STATE_DONE;
+  return reached ? ExitCode::done : ExitCode::negative;
 }
 
 }  // namespace

@@ -94,6 +94,18 @@ TEST(ProcedureSteps, AskForValidationRows) {
   EXPECT_THAT(steps[3].missing, HasSubstr("no validation rows"));
 }
 
+TEST(ProcedureSteps, SayRecalibrateNowOfAModelThatTheRobotNoLongerFollows) {
+  auto facts = reached();
+  facts.model->doubt = "run 4: q1 errs by +58.2 nm, limit 51.9";
+  const auto steps = procedure_steps(facts);
+  EXPECT_EQ(steps[3].state, State::open);
+  EXPECT_THAT(steps[3].missing, HasSubstr("recalibrate now"));
+  EXPECT_THAT(steps[3].missing, HasSubstr("run 4: q1 errs by +58.2 nm"));
+  EXPECT_THAT(steps[3].command, HasSubstr("model check"));
+  EXPECT_EQ(steps[5].state, State::not_reached) << "what was reached, was reached before";
+  EXPECT_EQ(steps[5].back_to, 2);
+}
+
 TEST(ProcedureSteps, CompareOnlyFiguresOfOneUnit) {
   auto facts = reached();
   facts.verified.push_back({"rx", "arcsec", 900});
@@ -146,6 +158,7 @@ RunRecord run_of(std::int64_t id, bool compensated, RunMetadata metadata) {
   run.id = {id};
   run.state = RunState::done;
   run.accepted = 100 * id;
+  run.config_hash = "c0ffee";
   RunPlan plan;
   plan.compensate = compensated;
   run.rules_json = write_run_plan(plan);
@@ -163,6 +176,20 @@ TEST(ProcedureFacts, AreOfTheNewestRunThatStatesAWantedAccuracy) {
   EXPECT_EQ(facts.campaign, 3);
   EXPECT_EQ(wanted_text(facts.wanted), "x 80 nm, every rotation 2 arcsec");
   EXPECT_EQ(facts.runs.size(), 3u);
+}
+
+TEST(ProcedureFacts, HaveNothingOfARunWhoseRowsAreAFiles) {
+  auto stranger = run_of(8, false, {{"wanted_a90.x_nm", "80"}});
+  stranger.config_hash.clear();
+  stranger.reason = "imported";
+  auto join = run_of(5, false, {});
+  join.reason = "imported";  // of runs 2 and 3
+  ProcedureFacts facts;
+  take_runs({stranger, join, run_of(3, false, {}), run_of(2, false, {})}, facts);
+  EXPECT_FALSE(facts.campaign);
+  const auto steps = procedure_steps(facts);
+  EXPECT_THAT(steps[1].command, HasSubstr("run tag 5 "));
+  EXPECT_THAT(steps[2].found, HasSubstr("500 points in 2 runs")) << "each point once";
 }
 
 TEST(ProcedureFacts, SayWhatAnOldRecordStatesBadly) {
