@@ -124,7 +124,7 @@ GainOf Extension::gain_of(const Ground& ground, const Cause& cause, std::vector<
     if (tick_ && !tick_()) return 0.0;  // whoever asked is to stop
     values[at] = at_value(values[at], value);
     const auto here = terms_of(values);
-    const auto columns = filled_columns(problem_, here);
+    const auto columns = searched_columns(problem_, here);
     if (!columns) return 0.0;
     const Eigen::MatrixXd learned = problem_.learned(*columns);
     return ground.gain(learned, physics_.prior(cause, here, value, learned).typical).gain;
@@ -167,7 +167,7 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
         refine(what, result.refined.value, instants_, gain_of(ground, what, {what.cells[cell]}, 0));
     result.terms = with_parameter(result.terms, result.refined.value);
   }
-  const auto columns = filled_columns(problem_, result.terms);
+  const auto columns = searched_columns(problem_, result.terms);
   result.nameable = false;
   if (!columns) return result;
   const Eigen::MatrixXd learned = problem_.learned(*columns);
@@ -220,7 +220,7 @@ std::vector<Extension::Candidate> Extension::contenders(
 }
 
 Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) const {
-  DRIFTWISE_TRY(auto columns, filled_columns(problem_, candidate.terms));
+  DRIFTWISE_TRY(auto columns, searched_columns(problem_, candidate.terms));
   Named one;
   one.cause = candidate.cause;
   one.terms = candidate.terms;
@@ -365,7 +365,7 @@ std::optional<std::size_t> Extension::index_of(std::size_t cause) const {
 
 Result<void> Extension::set_values(Named& named, std::vector<Cell> values) const {
   named.terms = terms_of(values);
-  DRIFTWISE_TRY(auto columns, filled_columns(problem_, named.terms));
+  DRIFTWISE_TRY(auto columns, searched_columns(problem_, named.terms));
   named.values = std::move(values);
   named.all = std::move(columns);
   named.learned = problem_.learned(named.all);

@@ -14,6 +14,9 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kShareBeyondGeometry = 0.5;
+// 2 ln L of what no geometry spells, with the amplitudes that it was fitted with: four standard
+// deviations.
+constexpr double kSurelyBeyond = 16;
 // A polynomial of this degree leaves 12 % of one and a half periods, half of two, and 85 % of two
 // and a half. What has so few by itself is a wave; what should have eight has lost them on a
 // lattice.
@@ -21,6 +24,7 @@ constexpr int kSmoothDegree = 4;
 constexpr double kShareOfWave = 0.6, kManyPeriods = 8;
 constexpr double kLeftOfWave = 0.1, kFewPeriods = 1.5;  // rms, beside the baseline
 constexpr double kShareOfPlaces = 0.5, kFurtherApart = 10;
+constexpr double kTurns = 0.5;       // rad: a wave's phase within its places
 constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
 constexpr Eigen::Index kFewestRowsPerMonomial = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
@@ -135,21 +139,31 @@ bool ToldFromGeometry::goes_with_its_places(const Cause& cause, double period,
   const auto places = places_of(values, own);
   if (places.empty()) return true;
   Eigen::MatrixXd there(static_cast<Eigen::Index>(places.size()), 2);
+  double squares = 0;
+  for (const std::size_t row : problem_.learn)
+    squares += std::pow(2 * std::numbers::pi * (values[row] - places[row]) / own, 2);
+  const double turned = std::sqrt(squares / static_cast<double>(problem_.learn.size()));
   for (std::size_t row = 0; row < places.size(); ++row) {
     const double phase = 2 * std::numbers::pi * std::remainder(places[row] / own, 1.0);
     there.row(static_cast<Eigen::Index>(row)) << std::sin(phase), std::cos(phase);
   }
   const Eigen::MatrixXd at_places = problem_.learned(there);
-  double plain = 0, with_places = 0;
+  double plain = 0, of_wave = 0, of_data = 0;  // of_: explained with each row at its place
   for (std::size_t o = 0; o < shape.size(); ++o) {
     const auto at = static_cast<Eigen::Index>(o);
     const auto& space = ground.space(shape[o]);
-    const double sd = ground.white_sd(at);
+    const double weight = 1 / (ground.white_sd(at) * ground.white_sd(at));
     const Eigen::VectorXd left = space.left_over(ground.series().col(at));
-    plain += explained(space.left_over(columns), left) / (sd * sd);
-    with_places += explained(space.left_over(at_places), left) / (sd * sd);
+    const Eigen::MatrixXd white = space.left_over(columns);
+    const Eigen::VectorXd wave = white * white.completeOrthogonalDecomposition().solve(left);
+    const Eigen::MatrixXd white_at_places = space.left_over(at_places);
+    plain += wave.squaredNorm() * weight;
+    of_wave += explained(white_at_places, wave) * weight;
+    of_data += explained(white_at_places, left) * weight;
   }
-  return with_places >= kShareOfPlaces * plain;
+  // Where the phase hardly turns within a place, all of a wave is at the places but what their
+  // one phase hides; where it turns, as much of the data's as of the wave's own.
+  return of_data >= kShareOfPlaces * (turned < kTurns ? plain : of_wave);
 }
 
 bool ToldFromGeometry::operator()(const Cause& cause, double parameter,
@@ -162,20 +176,26 @@ bool ToldFromGeometry::operator()(const Cause& cause, double parameter,
   if (cause.linear != LinearParameter::offset_mm && cause.linear != LinearParameter::angle_arcsec)
     return true;
   if (geometry_.cols() > geometry_.rows() / kFewestRowsPerMonomial) return true;
-  double plain = 0, beyond_geometry = 0;
+  double plain = 0, beyond_geometry = 0, own = 0, held = 0;
   for (std::size_t o = 0; o < shape.size(); ++o) {
     const auto at = static_cast<Eigen::Index>(o);
     const auto& space = ground.space(shape[o]);
-    const double sd = ground.white_sd(at);
+    const double weight = 1 / (ground.white_sd(at) * ground.white_sd(at));
     const Eigen::MatrixXd white = space.left_over(columns);
     const Eigen::VectorXd left = space.left_over(ground.series().col(at));
     const Eigen::MatrixXd basis = beyond(space, geometry_);
-    plain += explained(white, left) / (sd * sd);
-    beyond_geometry += explained(white - basis * (basis.transpose() * white),
-                                 left - basis * (basis.transpose() * left)) /
-                       (sd * sd);
+    const auto without_geometry = [&](const auto& what) -> Eigen::MatrixXd {
+      return what - basis * (basis.transpose() * what);
+    };
+    const Eigen::VectorXd effect = white * white.completeOrthogonalDecomposition().solve(left);
+    const Eigen::VectorXd of_effect = without_geometry(effect), rest = without_geometry(left);
+    plain += explained(white, left) * weight;
+    beyond_geometry += explained(without_geometry(white), rest) * weight;
+    own += of_effect.squaredNorm() * weight;
+    held += (2 * of_effect.dot(rest) - of_effect.squaredNorm()) * weight;
   }
-  return beyond_geometry >= kShareBeyondGeometry * plain;
+  return beyond_geometry >= kShareBeyondGeometry * plain ||
+         held >= std::max(kSurelyBeyond, kShareBeyondGeometry * own);
 }
 
 }  // namespace driftwise::diagnosis

@@ -25,6 +25,40 @@ void fill(Eigen::MatrixXd& columns) {
   }
 }
 
+// The simulation's column of one factor alone; negative: it has none.
+Eigen::Index alone_in(const std::vector<effects::Term>& base, const effects::Factor& factor) {
+  const effects::Term alone{{factor}};
+  const auto at = std::ranges::find(base, alone);
+  return at == base.end() ? -1 : static_cast<Eigen::Index>(at - base.begin());
+}
+
+double learned_mean(const Problem& problem, const Eigen::VectorXd& column) {
+  double sum = 0, count = 0;
+  for (const std::size_t row : problem.learn)
+    if (const double value = column[static_cast<Eigen::Index>(row)]; std::isfinite(value))
+      sum += value, count += 1;
+  return count > 0 ? sum / count : 0;
+}
+
+// Products less what the simulation has of them already: x * t01 about the mean temperature, where
+// x is simulated. The simulation with the column is the same; a length of the column is one of the
+// effect, not of 20 degC times x.
+Result<void> beyond_the_factors(const Problem& problem, const std::vector<effects::Term>& terms,
+                                Eigen::MatrixXd& columns) {
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const auto& factors = terms[k].factors;
+    if (factors.size() != 2) continue;
+    for (std::size_t f = 0; f < 2; ++f) {
+      const Eigen::Index simulated = alone_in(problem.base, factors[f]);
+      if (simulated < 0) continue;
+      DRIFTWISE_TRY(const auto other, problem.prepared.columns({effects::Term{{factors[1 - f]}}}));
+      columns.col(static_cast<Eigen::Index>(k)) -=
+          learned_mean(problem, other.col(0)) * problem.base_columns.col(simulated);
+    }
+  }
+  return {};
+}
+
 bool same(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   if (a.cols() != 1 || b.cols() != 1) return false;
   const Eigen::VectorXd u = a.col(0).array() - a.mean(), v = b.col(0).array() - b.mean();
@@ -37,8 +71,7 @@ Result<std::vector<Eigen::MatrixXd>> columns_of(const Problem& problem,
                                                 std::span<const Cell> cells) {
   std::vector<effects::Term> terms;
   for (const auto& cell : cells) terms.insert(terms.end(), cell.terms.begin(), cell.terms.end());
-  DRIFTWISE_TRY(auto all, problem.prepared.columns(terms));
-  fill(all);
+  DRIFTWISE_TRY(const auto all, searched_columns(problem, terms));
   const Eigen::MatrixXd learned = problem.learned(all);
   std::vector<Eigen::MatrixXd> result;
   Eigen::Index at = 0;
@@ -55,6 +88,14 @@ Result<Eigen::MatrixXd> filled_columns(const Problem& problem,
                                        const std::vector<effects::Term>& terms) {
   auto columns = problem.prepared.columns(terms);
   if (columns) fill(*columns);
+  return columns;
+}
+
+Result<Eigen::MatrixXd> searched_columns(const Problem& problem,
+                                         const std::vector<effects::Term>& terms) {
+  DRIFTWISE_TRY(auto columns, problem.prepared.columns(terms));
+  DRIFTWISE_RETURN_IF_ERROR(beyond_the_factors(problem, terms, columns));
+  fill(columns);
   return columns;
 }
 

@@ -17,6 +17,11 @@ namespace driftwise::diagnosis {
 Result<Eigen::MatrixXd> filled_columns(const Problem& problem,
                                        const std::vector<effects::Term>& terms);
 
+// The same, and products without what the simulation has of them: a search beside the simulation
+// finds the same coefficients, and sees how long a column of the effect alone is.
+Result<Eigen::MatrixXd> searched_columns(const Problem& problem,
+                                         const std::vector<effects::Term>& terms);
+
 // One per output: may the cause act there?
 std::vector<char> acts_on(const Problem& problem, const Cause& cause);
 

@@ -11,6 +11,7 @@
 #include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
+namespace deviations_test {
 namespace {
 
 using ::testing::Contains;
@@ -212,4 +213,5 @@ TEST(TargetsReadFromEitherSide, AreOnTheSideThatTheReadingsShow) {
 }
 
 }  // namespace
+}  // namespace deviations_test
 }  // namespace driftwise::diagnosis
