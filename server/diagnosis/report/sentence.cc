@@ -186,7 +186,9 @@ std::string sentence(const FaultySensor& sensor) {
     case SensorFault::jumped:
       return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
              from +
-             (!sensor.named   ? ", and others change there a little or there is none: the room may "
+             (sensor.is_followed ? ", and the outputs follow at once or slowly: the part really "
+                                   "changed; the readings are left as they are."
+              : !sensor.named ? ", and others change there a little or there is none: the room may "
                                 "have done it, or the sensor; the readings are left as they are."
               : sensor.mended ? " and no other does: the jump is taken out."
                               : " and no other does: no part warms so; the readings are left as "

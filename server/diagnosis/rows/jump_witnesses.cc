@@ -176,34 +176,46 @@ std::optional<FaultySensor> JumpWitnesses::jump(std::size_t sensor, std::size_t 
     if (with_it > gain) gain = with_it, size = one;
   }
   values = readings;
-  const bool mended = gain >= kEvidence;
+  const double free = two_ln_likelihood_(dataset_, {row, 0, true}) - as_read;
+  // A free level can do all that a mended reading does, but for what smoothing makes of the jump.
+  const bool mended = std::min(gain, free) >= kEvidence;
   if (!mended && !by_readings_alone) return {};
   const double resolution = resolution_of(readings);
   const double at_row =
       std::max(chance_at_row(readings, row, resolution), chance_at_row(beyond, row, resolution));
-  const double free = two_ln_likelihood_(dataset_, {row, 0, true}) - as_read;
   // The size is known to a usual change: a part of the outputs' step is left for it.
   const double unsure = std::max(usual_change(beyond), resolution) / size;
   const bool stepped_otherwise =
       free - gain > lost_by_chance(outputs_) * (1 + free * unsure * unsure) ||
       chance_of_knock(at_row, free, gain, outputs_) * static_cast<double>(sensors_.size()) > alpha_;
   if (!by_readings_alone && stepped_otherwise) return {};
+  FaultySensor fault{SensorFault::jumped,
+                     sensors_[sensor].column->channel.symbol,
+                     "",
+                     rows_from(row),
+                     size,
+                     mended,
+                     of_both(chance_of_as_many(at_row, 1, values.size()), by_outputs(gain)),
+                     mended || stands_alone(sensors_, sensor, row)};
+  const auto is_real = [&]() -> std::optional<FaultySensor> {
+    values = readings;
+    if (!by_readings_alone) return {};
+    fault.is_followed = true;
+    fault.mended = fault.named = false;
+    return fault;
+  };
   const double slowly = best_with_lag(dataset_, values, two_ln_likelihood_) - as_read;
-  if (slowly >= kEvidence && slowly >= std::max(gain, free) - kOverLag) return {};
   without(size);
+  const double mended_slowly = best_with_lag(dataset_, values, two_ln_likelihood_) - as_read;
+  // A lag of hours takes any jump out, and then has as much with the mended readings.
+  const double over_mended = by_readings_alone ? mended_slowly + kOverLag : -INFINITY;
+  if (slowly >= kEvidence && slowly >= std::max({gain - kOverLag, free - kOverLag, over_mended}))
+    return is_real();
   const bool followed = gain < -lost_by_chance(outputs_) &&
                         outputs_follow(dataset_, values, size, row, as_read, two_ln_likelihood_);
   if (!mended) values = readings;
-  if (followed && !outputs_step_too(dataset_, outputs_, row, two_ln_likelihood_)) return {};
-  const double by_readings = chance_of_as_many(at_row, 1, values.size());
-  return FaultySensor{SensorFault::jumped,
-                      sensors_[sensor].column->channel.symbol,
-                      "",
-                      rows_from(row),
-                      size,
-                      mended,
-                      of_both(by_readings, by_outputs(gain)),
-                      mended || stands_alone(sensors_, sensor, row)};
+  if (followed && !outputs_step_too(dataset_, outputs_, row, two_ln_likelihood_)) return is_real();
+  return fault;
 }
 
 }  // namespace driftwise::diagnosis

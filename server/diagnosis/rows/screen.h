@@ -20,7 +20,8 @@ struct FaultySensor {
   bool mended = true;             // false: the readings are as they were
   // Chance that readings which are right look so, for all rows and thermometers looked at.
   double p = 1;
-  bool named = true;  // false: told only, it may be real
+  bool named = true;         // false: told only, it may be real
+  bool is_followed = false;  // a jump that the outputs follow: told only, it is real
 };
 
 // A level of every output from one row of the dataset on, free beside the baseline.

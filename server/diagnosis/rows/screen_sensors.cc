@@ -1,6 +1,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "server/core/data/reading.h"
 #include "server/diagnosis/noise/robust.h"
@@ -41,29 +42,40 @@ std::vector<std::size_t> frozen_rows(const std::vector<double>& values, double t
   return rows;
 }
 
-// Of a run of `length` equal readings anywhere, by how often the others repeat the one before.
-double chance_frozen(const std::vector<double>& values, std::size_t length) {
+// How often a reading repeats the one before. Up to a half its noise moves the display from row to
+// row, and does so while the part stands still.
+double share_of_repeats(const std::vector<double>& values) {
   double same = 0, pairs = 0;
   for (std::size_t i = 1; i < values.size(); ++i)
     if (std::isfinite(values[i]) && std::isfinite(values[i - 1]))
       same += values[i] == values[i - 1] ? 1 : 0, pairs += 1;
-  const double often = (same + 1) / (pairs + 2);
-  return std::min(
-      1.0, static_cast<double>(values.size()) * std::pow(often, static_cast<double>(length)));
+  return (same + 1) / (pairs + 2);
+}
+constexpr double kTrembles = 0.5, kSurely = 1e-9;
+
+// Of a run of `length` equal readings anywhere, by how often the others repeat the one before.
+double chance_frozen(const std::vector<double>& values, std::size_t length) {
+  return std::min(1.0, static_cast<double>(values.size()) *
+                           std::pow(share_of_repeats(values), static_cast<double>(length)));
 }
 
-constexpr double kMoved = 2;  // steps of a display, from which it cannot have stood still
+// Steps of a display, from which it cannot have stood still.
+constexpr double kMoved = 2, kSurelyMoved = 4;
 // Of the longest run of one value over the next one: by itself, and where the part has moved
 // meanwhile.
 constexpr double kTimesLonger = 10, kTimesLongerMoved = 2.5;
 
-// Has the part moved while this display stood still in `frozen`? It has where the display comes
-// back elsewhere, or where the other thermometers foretell it from the rows around.
-bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double step,
-                     const std::vector<std::size_t>& frozen) {
+// What the other thermometers foretell of one over its frozen rows, from the rows around, K.
+struct Foretold {
+  double range = 0;  // over the frozen rows
+  double own = 0;    // of the readings around
+  double sd = 0;     // that they miss the readings around by
+};
+
+std::optional<Foretold> foretold_by_others(const Dataset& dataset, const DatasetColumn& column,
+                                           const std::vector<std::size_t>& frozen) {
   const auto& own = column.values;
   const std::size_t first = frozen.front(), last = frozen.back();
-  if (last + 1 < own.size() && std::abs(own[last + 1] - own[last]) >= kMoved * step) return true;
   std::vector<const DatasetColumn*> others;
   for (const auto& other : dataset.columns)
     if (&other != &column && is_structure_temperature(other.channel)) others.push_back(&other);
@@ -75,7 +87,7 @@ bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double
   std::vector<std::size_t> outside, within;
   for (std::size_t row = 0; row < own.size(); ++row)
     if (is_whole(row)) (row < first || row > last ? outside : within).push_back(row);
-  if (others.empty() || outside.size() < kFewestRows || within.empty()) return false;
+  if (others.empty() || outside.size() < kFewestRows || within.empty()) return {};
   const auto columns = [&](const std::vector<std::size_t>& rows) {
     Eigen::MatrixXd x = Eigen::MatrixXd::Ones(static_cast<Eigen::Index>(rows.size()),
                                               static_cast<Eigen::Index>(others.size()) + 1);
@@ -88,10 +100,25 @@ bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double
   Eigen::VectorXd y(static_cast<Eigen::Index>(outside.size()));
   for (std::size_t i = 0; i < outside.size(); ++i)
     y[static_cast<Eigen::Index>(i)] = own[outside[i]] - own[first];
-  if (y.maxCoeff() - y.minCoeff() < kMoved * step) return false;  // they foretell nothing
-  const Eigen::VectorXd foretold =
-      columns(within) * columns(outside).colPivHouseholderQr().solve(y);
-  return foretold.maxCoeff() - foretold.minCoeff() >= kMoved * step;
+  const Eigen::MatrixXd around = columns(outside);
+  const Eigen::VectorXd b = around.colPivHouseholderQr().solve(y);
+  const Eigen::VectorXd foretold = columns(within) * b;
+  return Foretold{foretold.maxCoeff() - foretold.minCoeff(), y.maxCoeff() - y.minCoeff(),
+                  (y - around * b).norm() / std::sqrt(static_cast<double>(y.size()))};
+}
+
+// Has the part moved while this display stood still? It has where the display comes back elsewhere,
+// or where the others foretell it: by two of its steps, a step being what it changes by from row to
+// row; or by four of the display's, and of what they foretell the rows around to.
+bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double display,
+                     double step, const std::vector<std::size_t>& frozen) {
+  const auto& own = column.values;
+  const std::size_t last = frozen.back();
+  if (last + 1 < own.size() && std::abs(own[last + 1] - own[last]) >= kMoved * step) return true;
+  const auto foretold = foretold_by_others(dataset, column, frozen);
+  if (!foretold) return false;
+  return (foretold->own >= kMoved * step && foretold->range >= kMoved * step) ||
+         foretold->range >= kSurelyMoved * std::max(display, foretold->sd);
 }
 
 // Largest change from one value to the next.
@@ -123,13 +150,16 @@ std::vector<std::size_t> frozen_rows(const Dataset& dataset, const DatasetColumn
   if (rows.empty()) return rows;
   std::vector<double> around = column.values;
   for (const std::size_t row : rows) around[row] = kMissing;
+  if (share_of_repeats(around) <= kTrembles && chance_frozen(around, rows.size()) <= kSurely)
+    return rows;
   double step = display_step(around, kWidestDisplay_K);
   if (step == 0) {
     const double of_all = display_step(column.values, kWidestDisplay_K);
     if (largest_change(around) < kMoved * of_all) step = of_all;
   }
+  const double display = step > 0 ? step : display_step(column.values, kWidestDisplay_K);
   if (!surely) step = std::max(step, largest_change_from_row_to_row(around));
-  if (step > 0 && !moved_meanwhile(dataset, column, step, rows)) rows.clear();
+  if (step > 0 && !moved_meanwhile(dataset, column, display, step, rows)) rows.clear();
   return rows;
 }
 

@@ -13,7 +13,8 @@ constexpr std::size_t kNeighbours = 4;     // rows to either side that tell the 
 constexpr double kRamp = 0.25;             // of a jump, within a few rows after it
 constexpr std::size_t kMostSuspects = 16;  // per sensor, the largest
 constexpr std::size_t kRowsPerSensor = 10;
-constexpr std::size_t kSpan = 3;  // rows of a change that foretells: more than the readings' steps
+constexpr double kRounded = 0.41;  // standard deviation of the change of two rounded values, steps
+constexpr std::size_t kSpan = 3;   // rows of a change that foretells: more than the readings' steps
 
 // The usual change from row to row about this row: a room that warms takes all rows along.
 double trend_about(const std::vector<double>& v, std::size_t row) {
@@ -143,6 +144,7 @@ void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset
   sensor.usual = std::max(usual_change(v), resolution);
   const double step_s = median(steps);
   const double usual = std::max(usual_change(beyond), resolution);
+  const double unsure = std::max(usual_change(beyond), kRounded * resolution);
   const auto stands_out = [&](std::size_t i, double least) {
     return std::abs(own_change(beyond, i)) > least && std::abs(own_change(v, i)) > least / 2 &&
            std::abs(level_change(beyond, i)) > 0.7 * least;
@@ -152,7 +154,7 @@ void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset
     if (begins(dataset.run, i) || begins(dataset.datum, i)) continue;         // likewise
     if (stands_out(i, std::max(kFarOffSensor * usual, kSmallest_k)))
       sensor.jumps.push_back(i);
-    else if (stands_out(i, kMoves * usual))
+    else if (stands_out(i, kMoves * unsure))
       sensor.suspects.push_back(i);
   }
   std::ranges::stable_sort(sensor.suspects, std::ranges::greater{},

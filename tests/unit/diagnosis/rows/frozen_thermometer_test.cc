@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/unit/diagnosis/everyday_axis.h"
 
@@ -37,6 +38,48 @@ Diagnosis of_hundredths(bool freezes, double room_k) {
 TEST(AThermometerThatStandsStill, IsFrozenWhereThePartHasMovedMeanwhile) {
   EXPECT_THAT(names_found(of_hundredths(true, 0.5)), Contains("sensor_fault t01"));
   EXPECT_THAT(names_found(of_hundredths(false, 0.5)), ::testing::Not(Contains("sensor_fault t01")));
+}
+
+// Two parts that follow the room, the second one's display stuck between two rows; or the second
+// at rest until the last of them.
+Diagnosis of_two_parts(double display_k, std::size_t first, std::size_t last, double noise_k,
+                       bool second_part_moves) {
+  EverydayAxis axis(62);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  Dataset data = axis.dataset();
+  std::vector<double> t02;
+  const auto shown = [&](double value) { return display_k * std::round(value / display_k); };
+  for (std::size_t row = 0; row < EverydayAxis::kRows; ++row) {
+    const double room = 0.6 * std::sin(axis.time_s[row] / 3000);
+    const double base = second_part_moves ? 0.8 * room : row < last ? 0 : 0.8;
+    t02.push_back(shown(21 + base + noise_k * normal(random)));
+    axis.t01_degC[row] = shown(20 + room + noise_k * normal(random));
+    axis.x_mm[row] = axis.q_mm[row] + 3e-5 * axis.q_mm[row] * axis.q_mm[row] + 60e-6 * room +
+                     200e-6 * base + 5e-6 * normal(random);
+  }
+  if (second_part_moves)
+    for (std::size_t row = first; row < last; ++row) t02[row] = t02[first];
+  data = axis.dataset();
+  data.columns.push_back({{"t02", "degC"}, t02});
+  return diagnosed(data, "q1 ~ x + x^2 + T");
+}
+
+// Thousandths that tremble from row to row do not repeat fifty times.
+TEST(AThermometerThatStandsStill, IsFrozenWhereItsNoiseMovesItElsewhere) {
+  EXPECT_THAT(names_found(of_two_parts(0.001, 200, 255, 0.002, true)),
+              ::testing::ElementsAre("sensor_fault t02"));
+}
+
+// A display of tenths, standing for two hours while the room goes by a kelvin.
+TEST(AThermometerThatStandsStill, IsFrozenWhereTheOthersForetellMoreThanItsSteps) {
+  EXPECT_THAT(names_found(of_two_parts(0.1, 200, 320, 0.01, true)), Contains("sensor_fault t02"));
+}
+
+// A machine that rests, and then is switched on: the same display stands still until it warms.
+TEST(AThermometerThatStandsStill, IsNoneWhereThePartRests) {
+  EXPECT_THAT(names_found(of_two_parts(0.1, 0, 300, 0.01, false)),
+              ::testing::Not(Contains("sensor_fault t02")));
 }
 
 }  // namespace

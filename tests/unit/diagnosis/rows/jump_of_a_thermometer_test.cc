@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -106,6 +107,25 @@ TEST(AThermometerThatJumps, AtTheRowAtWhichTheRobotIsKnockedIsStillBroken) {
         names_of(seed, {.reading_k = 0.06, .robot_nm = 254, .noise_k = 1e-3, .alike = true}),
         testing::UnorderedElementsAre("sensor_fault t01", "step_change x"))
         << "seed " << seed;
+}
+
+// Three steps of a display of tenths: less than four steps, and ten times what rounding does.
+TEST(AThermometerThatJumps, ByThreeStepsOfACoarseDisplayIsBroken) {
+  std::size_t named = 0;
+  for (const unsigned seed : kSeeds) {
+    Dataset data = measured(seed, {.reading_k = 0.32});
+    for (double& reading : data.columns[2].values) reading = std::round(10 * reading) / 10;
+    named += std::ranges::count(diagnosed(data, "q1 ~ x + x^2 + T").findings, "sensor_fault",
+                                &Finding::cause);
+  }
+  EXPECT_GE(named, 2U);  // of three: a room that swings by two steps hides one
+}
+
+// A jump that a person sees is told where the outputs say that the part really warmed.
+TEST(AThermometerThatJumps, AsThePartDidIsTold) {
+  const auto found = diagnosed(measured(1, {.part_k = 0.3, .lag_s = 600}), "q1 ~ x + x^2 + T");
+  EXPECT_THAT(found.warnings,
+              testing::Contains(testing::HasSubstr("the outputs follow at once or slowly")));
 }
 
 }  // namespace
