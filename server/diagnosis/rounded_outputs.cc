@@ -22,6 +22,8 @@ constexpr double kNoiseOfAStep = 0.5;  // above it rounding errors are as good a
 // all there is. Less: the values are nominal. More: something else is larger.
 constexpr double kLeastSpread = 0.1, kMostSpread = 0.8;
 constexpr double kSmallestNoise = 0.02;  // of a step
+constexpr double kBeside = 1.5;          // steps
+constexpr std::size_t kFewestVisits = 3;
 constexpr int kRounds = 60;
 constexpr double kFar = 6;  // standard deviations, beyond which a step's nearer edge is taken
 
@@ -126,14 +128,29 @@ Step step_behind_motor(const Problem& problem, const ProblemOutput& output, cons
   return second > kNearlyAsCoarse * coarsest.size ? Step{} : coarsest;
 }
 
+// True: values are repeated, and none is read a step beside another. A reading that scatters by a
+// part of a step comes out in the next one too; positions of a plan do not.
+bool are_set(const std::vector<double>& values, double step) {
+  std::vector<double> different;
+  for (const double value : values)
+    if (std::isfinite(value)) different.push_back(value);
+  const std::size_t rows = different.size();
+  std::ranges::sort(different);
+  different.erase(std::ranges::unique(different).begin(), different.end());
+  for (std::size_t i = 1; i < different.size(); ++i)
+    if (different[i] - different[i - 1] < kBeside * step) return false;
+  return kFewestVisits * different.size() <= rows;
+}
+
 // The coarsest first. A motor's reading may be what was measured, or the pose behind it.
 std::vector<Step> steps_of(const Problem& problem, const ProblemOutput& output,
                            const Dataset& given) {
   const auto* column = given.find(output.channel.symbol);
   if (column == nullptr) return {};
-  std::vector<Step> steps = {
-      {column->channel.name(),
-       decimal_step(column->values) * summary_unit(column->channel.unit).factor}};
+  std::vector<Step> steps;
+  const double own = decimal_step(column->values);
+  if (!are_set(column->values, own))
+    steps.push_back({column->channel.name(), own * summary_unit(column->channel.unit).factor});
   if (is_motor_symbol(output.channel.symbol))
     steps.push_back(step_behind_motor(problem, output, given));
   std::erase_if(steps, [](const Step& step) { return !(step.size > 0); });

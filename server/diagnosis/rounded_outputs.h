@@ -22,7 +22,8 @@ namespace driftwise::diagnosis {
 double decimal_step(const std::vector<double>& values);
 
 // Frees the outputs of their rounding where they, or of a motor the pose coordinate behind it, are
-// read in steps of more than twice their noise; but nominal positions, whose steps are the plan's.
+// read in steps of more than twice their noise; but positions that a plan sets: their steps are
+// the plan's.
 // Returns a sentence for each; none: nothing was changed. given: the dataset in its own units.
 // found: of a diagnosis of the same problem.
 Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Dataset& given,

@@ -79,5 +79,17 @@ TEST(NominalPositions, AreNotTakenForADisplay) {
   EXPECT_THAT(found.warnings, Not(Contains(HasSubstr("is read in steps"))));
 }
 
+// Thirds of a millimetre as a controller is sent them, to a tenth of a micrometre, before a pose
+// that scatters by a third of that: no display.
+TEST(NominalPositions, AreNoDisplayWhereThePoseScattersByAPartOfTheirStep) {
+  DisplayedAxis axis(14);
+  for (std::size_t i = 0; i < EverydayAxis::kRows; ++i) {
+    axis.axis.q_mm[i] = std::round(axis.axis.q_mm[i] / 0.25 * 3333.3333) / 1e4;
+    axis.axis.x_mm[i] = axis.axis.q_mm[i] + 1.5 * axis.error_mm[i];
+  }
+  const auto found = diagnosed(axis.axis.dataset(), "q1 ~ x + x^2 + t01");
+  EXPECT_THAT(found.warnings, Not(Contains(HasSubstr("is read in steps"))));
+}
+
 }  // namespace
 }  // namespace driftwise::diagnosis
