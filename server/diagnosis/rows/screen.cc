@@ -351,9 +351,22 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
 
 namespace {
 
-// Each in its own units of robust standard deviations, and back.
+// A display of few levels shows one of them in half of the rows, and their middle says nothing of
+// the spread: what nine in ten rows keep within has a say too.
+double usual_spread(const Eigen::Ref<const Eigen::VectorXd>& left) {
+  constexpr double kShare = 0.9, kOfNormal = 1.645;
+  std::vector<double> sizes(left.data(), left.data() + left.size());
+  for (double& size : sizes) size = std::abs(size);
+  const auto at =
+      sizes.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), at, sizes.end());
+  const double of_most = *at / kOfNormal;
+  return std::max(robust_sd(std::move(sizes)), of_most);
+}
+
+// Each in units of its usual spread, and back.
 Eigen::VectorXd clipped_squares(const Eigen::VectorXd& left) {
-  const double sd = robust_sd({left.data(), left.data() + left.size()});
+  const double sd = usual_spread(left);
   if (!(sd > 0)) return left.cwiseAbs2();
   return sd * sd * (left / sd).cwiseAbs2().cwiseMin(kMostSquare);
 }
@@ -434,7 +447,7 @@ std::vector<NoiseChange> noise_changes(const Ground& ground) {
   std::vector<NoiseChange> found;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
     Eigen::VectorXd left = ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
-    const double sd = robust_sd({left.data(), left.data() + left.size()});
+    const double sd = usual_spread(left);
     if (!(sd > 0)) continue;
     // A heavy tail is no change.
     Eigen::VectorXd clipped = (left / sd).cwiseAbs2().cwiseMin(kMostSquare);

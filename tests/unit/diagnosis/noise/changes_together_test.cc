@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "server/diagnosis/rows/screen.h"
@@ -49,6 +50,25 @@ TEST(ASpreadThatChangesInAllOutputs, IsNoStrongerForBeingReadThreeTimes) {
 
 TEST(ASpreadThatStaysAsItIs, HasNoChange) {
   for (unsigned seed = 0; seed < 200; ++seed) EXPECT_THAT(changes(1, 0, seed), testing::IsEmpty());
+}
+
+// Steps of two standard deviations: two readings of three are the same level, and the middle size
+// of what is left is that level's distance from the simulation.
+TEST(ADisplayOfFewLevels, HasNoSpreadThatChanges) {
+  int named = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Timeline timeline{
+        Eigen::VectorXd::LinSpaced(kRows, 0, 10.0 * (kRows - 1)), std::vector<char>(kRows, 0), {}};
+    timeline.restart.front() = 1;
+    const double level = static_cast<double>(seed % 20) / 20;
+    Eigen::MatrixXd series(kRows, 1);
+    for (double& value : series.reshaped()) value = 2 * std::round((normal(random) + level) / 2);
+    const SoftBase base(Eigen::MatrixXd::Ones(kRows, 1), Eigen::VectorXd::Zero(1));
+    named += noise_changes(Ground(timeline, {{}}, base, series)).empty() ? 0 : 1;
+  }
+  EXPECT_LE(named, 4);  // of 200
 }
 
 }  // namespace
