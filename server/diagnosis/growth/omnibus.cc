@@ -11,6 +11,7 @@
 
 #include "server/diagnosis/noise/ground.h"
 #include "server/diagnosis/noise/random_field.h"
+#include "server/diagnosis/noise/shape_between.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -183,8 +184,12 @@ Omnibus::Standardised Omnibus::standardise(Eigen::MatrixXd values) const {
 }
 
 std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOptions& options) {
-  const Ground ground(problem_.timeline, noise_grid(problem_.timeline), base, series_,
-                      options.tick);
+  const auto grid = noise_grid(problem_.timeline);
+  const Ground on_grid(problem_.timeline, grid, base, series_, options.tick);
+  if (options.tick && !options.tick()) return std::nullopt;
+  const Ground ground(problem_.timeline,
+                      shapes_between(problem_.timeline, grid, on_grid, base, series_, options.tick),
+                      base, series_);
   if (options.tick && !options.tick()) return std::nullopt;
   const Eigen::Index outputs = series_.cols();
   noise_.clear();
@@ -197,7 +202,7 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
   std::mt19937_64 random(options.seed);
   std::vector<Eigen::MatrixXd> all(static_cast<std::size_t>(outputs));  // families x series
   std::vector<Eigen::VectorXf> own;
-  const RandomField field(problem_.timeline, shapes_with_a_field(ground), base, kClip);
+  const RandomField field(problem_.timeline, shapes_with_a_field(on_grid), base, kClip);
   Grown growths;
   OmnibusResult result;
   // Family and output of the largest of the data: of one output's form or field, of all together.

@@ -18,23 +18,52 @@ double typical_step_s(const Timeline& timeline) {
   return std::max(*middle, 1e-9);
 }
 
+// A mean of readings, with a slow part of variance 1.
+struct Mean {
+  double of_middle = 1;  // covariance with the slow part at the middle of its readings
+  double variance = 1;   // of the slow part's mean
+};
+
+Mean mean_of(double readings, double span_s, double tau_s) {
+  const auto count = static_cast<int>(std::lround(readings));
+  if (count < 2) return {};
+  const double decay = std::exp(-span_s / (count - 1) / tau_s);
+  // The middle at 0: readings half a step or a whole one beside it, and so on.
+  double beside = count % 2 == 0 ? std::sqrt(decay) : 1, at_middle = count % 2 == 0 ? 0 : 1;
+  for (int k = count % 2; k < count; k += 2) {
+    if (count % 2 != 0) beside *= decay;
+    at_middle += beside + 1 / beside;
+    if (count % 2 == 0) beside *= decay;
+  }
+  double pairs = count, apart = 1;
+  for (int k = 1; k < count; ++k) pairs += 2 * (count - k) * (apart *= decay);
+  return {at_middle / count, pairs / count / count};
+}
+
 }  // namespace
 
 Whitener::Whitener(const Timeline& timeline, NoiseShape shape)
     : decay_(timeline.rows()), gain_(timeline.rows()), inverse_sd_(timeline.rows()) {
   if (timeline.sd.size() > 0) weight_ = timeline.sd.cwiseInverse();
   const double slow = shape.slow_ratio;
-  double variance = slow;  // of the slow part, before the row is seen
+  double variance = slow, before = 1;  // of the slow part, before the row is seen
   for (Eigen::Index i = 0; i < timeline.rows(); ++i) {
+    const Mean mean = timeline.readings.size() == 0 || slow == 0
+                          ? Mean{}
+                          : mean_of(timeline.readings[i], timeline.span_s[i], shape.tau_s);
     if (timeline.restart[static_cast<std::size_t>(i)] != 0) {
       decay_[i] = 0;
       variance = slow;
     } else {
-      decay_[i] = std::exp(-(timeline.time_s[i] - timeline.time_s[i - 1]) / shape.tau_s);
-      variance = decay_[i] * decay_[i] * variance + slow * (1 - decay_[i] * decay_[i]);
+      const double decay = std::exp(-(timeline.time_s[i] - timeline.time_s[i - 1]) / shape.tau_s);
+      variance = decay * decay * variance + slow * (1 - decay * decay);
+      decay_[i] = decay * mean.of_middle / before;  // of what the row has of the slow part
     }
-    const double innovation = variance + 1;
-    gain_[i] = variance / innovation;
+    before = mean.of_middle;
+    // What the row has beside the slow part at its middle: negative where it is calmer than that.
+    const double own = 1 + slow * (mean.variance - mean.of_middle * mean.of_middle);
+    const double seen = mean.of_middle * mean.of_middle * variance, innovation = seen + own;
+    gain_[i] = seen / innovation;
     inverse_sd_[i] = 1 / std::sqrt(innovation);
     log_determinant_ += std::log(innovation);
     variance -= gain_[i] * variance;
@@ -65,6 +94,17 @@ void Whitener::apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
   for (; c < columns.cols(); ++c) run<1>(columns.data() + c * stride, stride);
 }
 
+void Whitener::colour(Eigen::Ref<Eigen::VectorXd> innovations) const {
+  double slow = 0;
+  for (Eigen::Index i = 0; i < decay_.size(); ++i) {
+    slow *= decay_[i];
+    const double innovation = innovations[i] / inverse_sd_[i];
+    innovations[i] = slow + innovation;
+    slow += gain_[i] * innovation;
+  }
+  if (weight_.size() > 0) innovations.array() /= weight_.array();
+}
+
 std::vector<NoiseShape> noise_grid(const Timeline& timeline) {
   constexpr std::array<double, 8> ratios = {0.1, 0.3, 1, 3, 10, 30, 100, 1000};
   constexpr int times = 7;
@@ -89,6 +129,12 @@ Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<Nois
     return Eigen::VectorXd(mixing * independent);
   };
   Eigen::MatrixXd series(timeline.rows(), count);
+  if (timeline.readings.size() > 0) {
+    for (Eigen::Index i = 0; i < timeline.rows(); ++i) series.row(i) = draw();
+    for (Eigen::Index o = 0; o < count; ++o)
+      Whitener(timeline, shapes[static_cast<std::size_t>(o)]).colour(series.col(o));
+    return series;
+  }
   Eigen::VectorXd slow = Eigen::VectorXd::Zero(count);
   for (Eigen::Index i = 0; i < timeline.rows(); ++i) {
     const bool afresh = timeline.restart[static_cast<std::size_t>(i)] != 0;

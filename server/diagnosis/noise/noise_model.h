@@ -15,8 +15,9 @@
 namespace driftwise::diagnosis {
 
 struct NoiseShape {
-  double slow_ratio = 0;  // variance of the correlated part over that of the white one
-  double tau_s = 1;       // its correlation time
+  // Variance of the correlated part over that of the white one: of an instant over a row's.
+  double slow_ratio = 0;
+  double tau_s = 1;  // its correlation time
   bool operator==(const NoiseShape&) const = default;
 };
 
@@ -25,6 +26,10 @@ struct Timeline {
   Eigen::VectorXd time_s;     // not decreasing within a stretch
   std::vector<char> restart;  // one per row; the first is 1
   Eigen::VectorXd sd;         // of each row's noise over the others'; empty: all alike
+  // Rows that are means of several readings, evenly over some time: how many, and from the first
+  // to the last. Empty: of one each. A mean of correlated noise hangs together with the next more
+  // than an instant does, and is itself calmer.
+  Eigen::VectorXd readings = {}, span_s = {};
   Eigen::Index rows() const { return time_s.size(); }
 };
 
@@ -34,6 +39,8 @@ class Whitener {
   // Each column becomes its innovations over their standard deviation, in units of the white
   // part's.
   void apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
+  // The other way: independent standard normal numbers become such noise.
+  void colour(Eigen::Ref<Eigen::VectorXd> innovations) const;
   double log_determinant() const { return log_determinant_; }  // of the covariance, white part 1
 
  private:

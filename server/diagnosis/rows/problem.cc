@@ -313,21 +313,47 @@ void Problem::judge_without(const std::vector<std::size_t>& rows) {
   }
 }
 
+namespace {
+
+// Time between rows from which no block bridges it: a night is no interval between readings. 0:
+// intervals differ so much that none is a pause.
+double pause_between(const Dataset& dataset, const std::vector<std::size_t>& rows) {
+  constexpr double kUsualSteps = 3, kFew = 0.05;  // of the rows
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    steps.push_back(time_of(dataset, rows[i]) - time_of(dataset, rows[i - 1]));
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double pause_s = kUsualSteps * *middle;
+  const auto pauses = std::ranges::count_if(steps, [&](double step) { return step > pause_s; });
+  return static_cast<double>(pauses) <= kFew * static_cast<double>(rows.size()) ? pause_s : 0;
+}
+
+}  // namespace
+
 void Problem::lay_blocks(std::size_t longest) {
   const Dataset& dataset = data();
   rows_per_block = (learn.size() + longest - 1) / longest;
   block_of.assign(learn.size(), 0);
   timeline = {};
-  std::vector<double> times, counts, variances;
+  const double pause_s = rows_per_block > 1 ? pause_between(dataset, learn) : 0;
+  std::vector<double> times, counts, variances, firsts, lasts;
   for (std::size_t i = 0; i < learn.size(); ++i) {
     const bool restart = i == 0 || begins(dataset, learn[i], learn[i - 1]);
-    if (restart || counts.back() >= static_cast<double>(rows_per_block)) {
+    const bool afresh =
+        restart ||
+        (pause_s > 0 && time_of(dataset, learn[i]) - time_of(dataset, learn[i - 1]) > pause_s);
+    if (afresh || counts.back() >= static_cast<double>(rows_per_block)) {
       times.push_back(0);
       counts.push_back(0);
       variances.push_back(0);
+      firsts.push_back(time_of(dataset, learn[i]));
+      lasts.push_back(0);
       timeline.restart.push_back(restart ? 1 : 0);
     }
     times.back() += time_of(dataset, learn[i]);
+    lasts.back() = time_of(dataset, learn[i]);
     counts.back() += 1;
     if (row_sd.size() > 0)
       variances.back() += std::pow(row_sd[static_cast<Eigen::Index>(learn[i])], 2);
@@ -336,6 +362,12 @@ void Problem::lay_blocks(std::size_t longest) {
   timeline.time_s.resize(static_cast<Eigen::Index>(times.size()));
   for (std::size_t b = 0; b < times.size(); ++b)
     timeline.time_s[static_cast<Eigen::Index>(b)] = times[b] / counts[b];
+  if (rows_per_block > 1) {
+    const auto blocks = static_cast<Eigen::Index>(counts.size());
+    timeline.readings = Eigen::Map<const Eigen::VectorXd>(counts.data(), blocks);
+    timeline.span_s = Eigen::Map<const Eigen::VectorXd>(lasts.data(), blocks) -
+                      Eigen::Map<const Eigen::VectorXd>(firsts.data(), blocks);
+  }
   if (row_sd.size() == 0) return;
   timeline.sd.resize(timeline.time_s.size());
   for (std::size_t b = 0; b < times.size(); ++b)
