@@ -56,8 +56,8 @@ TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
 
 TEST_F(ModelCommandsTest, ARollbackSaysWhatItPutsBackAndAsks) {
   cell.add_model("q ~ x");
-  EXPECT_EQ(run({"model", "promote", "1"}).exit, 0);
-  EXPECT_EQ(run({"model", "promote", "2"}).exit, 0);
+  EXPECT_EQ(run({"model", "promote", "1", "--yes"}).exit, 0);
+  EXPECT_EQ(run({"model", "promote", "2", "--yes"}).exit, 0);
   const auto nobody = run({"model", "rollback"});
   EXPECT_EQ(nobody.exit, 2) << "nobody is there to be asked";
   for (const char* fact :
