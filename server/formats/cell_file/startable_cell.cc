@@ -159,6 +159,7 @@ class StartCheck {
     bool has_parts = false;
     const auto each = [&](const char* key, const char* choice, const auto& parts, auto output,
                           auto channel) {
+      if (parts.empty()) return;  // another kind may have an option of this name
       const auto tables = reader.tables(key);
       for (std::size_t k = 0; k < tables.size() && k < parts.size(); ++k) {
         has_parts = true;

@@ -133,5 +133,17 @@ TEST(StartableCell, MeasuresThePoseOfEachLinearAxis) {
                          "this cell measures, expected one of x_mm"));
 }
 
+// A motor's current names the coordinate of the motor by the word that a controller has for its
+// tables of axes.
+TEST(StartableCell, TakesAnAxisThatIsNamedForNoListOfAxes) {
+  const std::string force = device("motor-1", "keithley-2701", "10.0.0.3:1394") +
+                            "measures = \"motor-force\"\naxis = \"q1_mm\"\nfriction_n = 0.4\n"
+                            "u_friction_n = 0.02\ntravel_mm = 0.02\n[[device.sensor]]\n"
+                            "channel = \"motor_force_N\"\ninput = 202\nslope = 4\n"
+                            "slope_unit = \"N/V\"\nmin_v = -9\nmax_v = 9\nu = 0.01\n";
+  const auto start = start_of(kHead + kAxis + kLaser + force);
+  EXPECT_TRUE(start) << start.error().message;
+}
+
 }  // namespace
 }  // namespace driftwise::formats
