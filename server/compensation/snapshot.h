@@ -62,7 +62,7 @@ enum class UncertaintySource : std::uint8_t {
 constexpr std::size_t kUncertaintySources = 12;
 std::string_view to_string(UncertaintySource source);
 
-// How far a value lies outside a domain, in half widths of it; 0 inside. A domain without width: 1.
+// Distance of a value from a domain, in half widths of it; 0 inside. A domain without width: 1.
 double excess_of(double min, double max, double value);
 
 class GeometryLaw;  // geometry_law.h

@@ -128,7 +128,7 @@ class SnapshotBuilder {
   // Of the model; infinite where a geometry has none of it.
   calibration::ChannelRange range_of(const Channel& channel) const;
   Conditions look_at_inputs(CellTime now, Snapshot& snapshot) const;
-  // How far each input lies outside its domain at the zero, in the order of Snapshot::inputs.
+  // Excess of each input at the zero (excess_of()), in the order of Snapshot::inputs.
   std::vector<double> excess_at_zero(double force, const std::vector<double>& channels) const;
   Snapshot::Output fold(std::size_t output, const Conditions& conditions) const;
 

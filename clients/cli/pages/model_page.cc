@@ -182,7 +182,7 @@ void print_accuracy(const Console& console, const v1::ModelOutput& output) {
                 << " rows\n";
 }
 
-// Where the largest line that an instrument declares makes the most of a target's variance.
+// The target in whose variance the largest line that an instrument declares has the most share.
 identification::TargetLimitFacts largest_declared(const v1::GetModelResponse& shown,
                                                   const std::string& channel) {
   constexpr double kNinety = 1.645;

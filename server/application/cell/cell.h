@@ -47,7 +47,7 @@ class Cell {
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
     std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does
-    // What a person asked for while no daemon answered: a pending stop from the start on, stored
+    // A stop that a person asked for while no daemon answered: pending from the start on, stored
     // when open() is through.
     std::optional<formats::KeptStop> kept_stop = {};
     // The last lines of the log, oldest first; empty: none is kept.

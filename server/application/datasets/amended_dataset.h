@@ -23,7 +23,7 @@ Result<RunsData> measured_data(Store& store, std::span<const RunId> runs);
 // A correction holds where the instrument measured that it was found in: found in rows of a file,
 // for the diagnosed runs alone; else for every run that the cell measured.
 void confine(correction::DataAmendment& amendment, const std::vector<RunId>& runs);
-// What a stored correction does, confined. Errors: data_loss BAD_CORRECTION.
+// The change that a stored correction makes, confined. Errors: data_loss BAD_CORRECTION.
 Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRecord& record);
 // What is in force, oldest first.
 // Errors: data_loss BAD_CORRECTION.

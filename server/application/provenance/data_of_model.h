@@ -8,7 +8,7 @@
 
 namespace driftwise::application {
 
-// What the record knows of the runs that a model is fitted from; one that goes on counts until
+// Facts on record about the runs that a model is fitted from; one that goes on counts until
 // fitted. Errors: not_found NO_SUCH_RUN; those of RunStore::dataset. Called on the store's thread.
 Result<std::vector<DataOfModel>> data_of_model(Store& store, const std::vector<RunId>& runs,
                                                CellTime fitted);

@@ -1,5 +1,5 @@
 #pragma once
-// What the data of a model ask before it serves: who measured them, and what they could show.
+// Questions about the data of a model before it serves: who measured them, what they could show.
 // Sentences that follow "although", each with its figure. Pure.
 
 #include <optional>

@@ -161,8 +161,8 @@ bool ToldFromGeometry::goes_with_its_places(const Cause& cause, double period,
     of_wave += explained(white_at_places, wave) * weight;
     of_data += explained(white_at_places, left) * weight;
   }
-  // Where the phase hardly turns within a place, all of a wave is at the places but what their
-  // one phase hides; where it turns, as much of the data's as of the wave's own.
+  // Two cases: the phase hardly turns within a place, and all of a true wave is at the places; or
+  // it turns, and as much of the data's as of the wave's own is there.
   return of_data >= kShareOfPlaces * (turned < kTurns ? plain : of_wave);
 }
 

@@ -60,7 +60,8 @@ Whitener::Whitener(const Timeline& timeline, NoiseShape shape)
       decay_[i] = decay * mean.of_middle / before;  // of what the row has of the slow part
     }
     before = mean.of_middle;
-    // What the row has beside the slow part at its middle: negative where it is calmer than that.
+    // Variance of the row beside the slow part at its middle: negative where it is calmer than
+    // that.
     const double own = 1 + slow * (mean.variance - mean.of_middle * mean.of_middle);
     const double seen = mean.of_middle * mean.of_middle * variance, innovation = seen + own;
     gain_[i] = seen / innovation;

@@ -42,8 +42,8 @@ std::vector<std::size_t> frozen_rows(const std::vector<double>& values, double t
   return rows;
 }
 
-// How often a reading repeats the one before. Up to a half its noise moves the display from row to
-// row, and does so while the part stands still.
+// Share of the readings that repeat the one before. Up to a half, noise moves the display from row
+// to row, and does so while the part stands still.
 double share_of_repeats(const std::vector<double>& values) {
   double same = 0, pairs = 0;
   for (std::size_t i = 1; i < values.size(); ++i)
@@ -65,7 +65,7 @@ constexpr double kMoved = 2, kSurelyMoved = 4;
 // meanwhile.
 constexpr double kTimesLonger = 10, kTimesLongerMoved = 2.5;
 
-// What the other thermometers foretell of one over its frozen rows, from the rows around, K.
+// Course of one thermometer over its frozen rows as the others foretell it from the rows around, K.
 struct Foretold {
   double range = 0;  // over the frozen rows
   double own = 0;    // of the readings around

@@ -110,15 +110,25 @@ TEST(SnapshotBuilder, GivesAnAnchoredTargetTheUncertaintyOfTheDifference) {
       1e-6);
 }
 
+// A target at x = 2 mm, its datum's zero taken at one temperature and asked for at another.
+struct Served {
+  Snapshot snapshot;
+  TargetRequest request;
+  Target target;
+};
+
+Served served(SnapshotBuilder builder, double zero_degC, double now_degC) {
+  EXPECT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", zero_degC}}));
+  observe(builder, now_degC);
+  Served result{builder.build(kBuiltAt), {}, {}};
+  result.request.set(Variable::x, 2);
+  result.target = compute_target(result.snapshot, result.request);
+  return result;
+}
+
 // Domain 20 .. 22 degC and half a percent: the zero at 24 lies 1.99 / 1.01 half widths outside.
 TEST(SnapshotBuilder, JudgesTheConditionsOfTheZeroAsThoseOfNow) {
-  auto builder = builder_of(axis_model());
-  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 24.0}}));
-  observe(builder, 21);
-  TargetRequest request;
-  request.set(Variable::x, 2);
-  const auto snapshot = builder.build(kBuiltAt);
-  const auto target = compute_target(snapshot, request);
+  const auto [snapshot, request, target] = served(builder_of(axis_model()), 24, 21);
   EXPECT_EQ(target.flags, static_cast<std::uint32_t>(kZeroOutsideDomain));
   EXPECT_EQ(describe_flags(snapshot, target), "ZERO_OUTSIDE_DOMAIN(t07_degC)");
 
@@ -136,15 +146,9 @@ TEST(SnapshotBuilder, JudgesTheConditionsOfTheZeroAsThoseOfNow) {
 
 // The worse end counts: both are ends of one difference.
 TEST(SnapshotBuilder, TakesTheLargerExcessOfZeroAndPose) {
-  auto builder = builder_of(axis_model());
-  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 23.0}}));
-  observe(builder, 25);
-  const auto snapshot = builder.build(kBuiltAt);
+  const auto [snapshot, request, target] = served(builder_of(axis_model()), 23, 25);
   EXPECT_NEAR(snapshot.zero_excess, 0.99 / 1.01, 1e-12);
   EXPECT_NEAR(snapshot.slow_excess, 2.99 / 1.01, 1e-12);
-  TargetRequest request;
-  request.set(Variable::x, 2);
-  const auto target = compute_target(snapshot, request);
   EXPECT_EQ(describe_flags(snapshot, target),
             "OUTSIDE_DOMAIN(t07_degC),ZERO_OUTSIDE_DOMAIN(t07_degC)");
   auto of_now = snapshot;
@@ -170,13 +174,7 @@ TEST(SnapshotBuilder, JudgesPoseZeroAsAPoseWhereTheDatumIsCarried) {
 TEST(SnapshotBuilder, RefusesTargetsOfAZeroOutsideWhereTheCellRefusesThem) {
   auto cell = axis_cell();
   cell.serving.refuse_outside_domain = true;
-  auto builder = builder_of(axis_model(), cell);
-  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 24.0}}));
-  observe(builder, 21);
-  TargetRequest request;
-  request.set(Variable::x, 2);
-  const auto snapshot = builder.build(kBuiltAt);
-  const auto target = compute_target(snapshot, request);
+  const auto [snapshot, request, target] = served(builder_of(axis_model(), cell), 24, 21);
   ASSERT_EQ(target.refusal, Refusal::outside_domain);
   const auto error = refusal_error(snapshot, target);
   EXPECT_EQ(error.reason, "OUTSIDE_DOMAIN");

@@ -189,7 +189,7 @@ std::string doubt_about(const Connection& connection, std::int64_t id) {
   return doubt;
 }
 
-// What follows from putting it back.
+// Consequences of putting it back.
 std::vector<std::string> facts_of_return(const Connection& connection, std::int64_t id) {
   v1::GetModelRequest request;
   request.set_model_id(id);
