@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/calibration/noise/noise_spectrum.h"
+
 namespace driftwise::calibration {
 namespace {
 
@@ -41,17 +43,15 @@ Eigen::VectorXd times_root_of_weights(const Design& design, Eigen::VectorXd resi
   return residuals;
 }
 
-// The noise over several stretches as one series: far apart as they are, the few pairs across their
-// borders do no harm.
-SerialNoise noise_of_stretches(const Eigen::VectorXd& residuals,
-                               const std::vector<Stretch>& stretches) {
+// The residuals of several stretches, one after another.
+Eigen::VectorXd joined(const Eigen::VectorXd& residuals, const std::vector<Stretch>& stretches) {
   Eigen::VectorXd series(static_cast<Index>(stretches.size()) * stretches.front().rows);
   Index at = 0;
   for (const auto& stretch : stretches) {
     series.segment(at, stretch.rows) = residuals.segment(stretch.begin, stretch.rows);
     at += stretch.rows;
   }
-  return serial_noise(Eigen::MatrixXd(series.size(), 0), series);
+  return series;
 }
 
 }  // namespace
@@ -65,24 +65,30 @@ SerialErrors serial_errors(const Design& design, const Solution& solution,
   const Eigen::VectorXd scaled = times_root_of_weights(design, residuals);
   const auto stretches = stretches_of(scaled.size());
   Eigen::MatrixXd together = Eigen::MatrixXd::Zero(k, k), apart = together;
+  NoiseSpectrum spectrum;
   for (const auto& stretch : stretches) {
     const Eigen::MatrixXd z = orthonormal(design, solution, stretch);
-    if (&stretch == &stretches.front())
-      errors.noise =
-          stretches.size() == 1 ? serial_noise(z, scaled) : noise_of_stretches(scaled, stretches);
-    together += correlated_gram(z, errors.noise);
+    if (&stretch == &stretches.front()) {
+      // Of stretches as one series: far apart as they are, the few pairs across their borders do
+      // no harm.
+      const bool whole = stretches.size() == 1;
+      const Eigen::VectorXd series = whole ? scaled : joined(scaled, stretches);
+      const Eigen::MatrixXd columns = whole ? z : Eigen::MatrixXd(series.size(), 0);
+      errors.noise = serial_noise(columns, series);
+      spectrum = noise_spectrum(columns, series, stretch.rows);
+    }
+    together += noise_gram(z, spectrum);
     apart += z.transpose() * z;
   }
   for (Index j = 0; j < k; ++j) {
     const auto row = solution.root.row(j);
     const double plain = row * apart * row.transpose();
-    const double ratio = plain > 0 ? (row * together * row.transpose()).value() / plain : 1;
-    errors.standard_errors[j] =
-        std::sqrt(errors.noise.variance * row.squaredNorm() * std::max(ratio, 0.0));
+    const double ratio =
+        plain > 0 ? (row * together * row.transpose()).value() / plain : spectrum.variance();
+    errors.standard_errors[j] = std::sqrt(row.squaredNorm() * std::max(ratio, 0.0));
   }
   if (stretches.size() == 1) {
-    errors.covariance =
-        errors.noise.variance * solution.root * together * solution.root.transpose();
+    errors.covariance = solution.root * together * solution.root.transpose();
   } else {
     const Eigen::MatrixXd classical = solution.root * solution.root.transpose();
     const Eigen::VectorXd factor =

@@ -1,11 +1,11 @@
 #pragma once
 // Standard errors that allow for rows that are not independent: those of the same least-squares
-// coefficients when the noise is what serial_noise() finds it to be.
+// coefficients under the noise that noise_spectrum() expects.
 //
-// With Z orthonormal over the columns in and C the noise's correlation, cov(b) = variance R Z'C Z
-// R' where the classical one is rss / dof R R'. A slow temperature loses most to slow noise, a
-// position that is visited back and forth little or nothing: one factor for all, as from an
-// effective number of rows, would be wrong for both.
+// With Z orthonormal over the columns in and C the noise's covariance, cov(b) = R Z'C Z R' where
+// the classical one is rss / dof R R'. A slow temperature loses most to slow noise, a position that
+// is visited back and forth little or nothing: one factor for all, as from an effective number of
+// rows, would be wrong for both.
 //
 // Up to 2048 rows all of them count, by restricted likelihood. Beyond, the noise is read from up to
 // 16 stretches of 1024 rows spread evenly over the data, by the likelihood of the residuals alone,
@@ -18,7 +18,7 @@
 namespace driftwise::calibration {
 
 struct SerialErrors {
-  SerialNoise noise;
+  SerialNoise noise;                // the best single slow part, as a description of the residuals
   Eigen::VectorXd standard_errors;  // of solution.coefficients, same order
   Eigen::MatrixXd covariance;  // the same, whole: each error's factor on the classical one where
                                // not all rows were looked at

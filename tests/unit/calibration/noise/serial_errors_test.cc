@@ -20,14 +20,26 @@ namespace {
 
 using Eigen::Index;
 
-// AR(1) of standard deviation 1 from its stationary start, with a share of white noise in it.
-std::vector<double> slow_noise(std::mt19937& random, std::size_t rows, double phi, double share) {
+struct SlowPart {
+  double phi = 0, share = 0;  // of the variance
+};
+
+// Sum of AR(1) from their stationary starts and white noise, of standard deviation 1.
+std::vector<double> slow_noise(std::mt19937& random, std::size_t rows,
+                               const std::vector<SlowPart>& parts) {
   std::normal_distribution<double> normal;
-  std::vector<double> noise(rows);
-  double slow = normal(random);
+  std::vector<double> noise(rows), slow;
+  double white = 1;
+  for (const auto& part : parts) {
+    white -= part.share;
+    slow.push_back(normal(random));
+  }
   for (auto& one : noise) {
-    one = std::sqrt(share) * slow + std::sqrt(1 - share) * normal(random);
-    slow = phi * slow + std::sqrt(1 - phi * phi) * normal(random);
+    for (std::size_t i = 0; i < parts.size(); ++i) one += std::sqrt(parts[i].share) * slow[i];
+    one += std::sqrt(std::max(white, 0.0)) * normal(random);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      slow[i] =
+          parts[i].phi * slow[i] + std::sqrt(1 - parts[i].phi * parts[i].phi) * normal(random);
   }
   return noise;
 }
@@ -92,7 +104,7 @@ struct Coverage {
 
 // How often b +- 1.96 standard errors holds the truth, for every term of 200 campaigns in which
 // slow temperatures and a position that goes back and forth stand under slow noise.
-std::map<std::string, Coverage> coverage(double phi, double share, std::size_t rows) {
+std::map<std::string, Coverage> coverage(const std::vector<SlowPart>& parts, std::size_t rows) {
   std::map<std::string, Coverage> terms;
   FitOptions options;
   options.select = Select::all;
@@ -102,7 +114,7 @@ std::map<std::string, Coverage> coverage(double phi, double share, std::size_t r
     Dataset data = make_campaign(
         {.rows = static_cast<int>(rows), .thermometers = 3, .noise_mm = 0, .seed = seed});
     data.set.clear();
-    const auto noise = slow_noise(random, rows, phi, share);
+    const auto noise = slow_noise(random, rows, parts);
     for (std::size_t i = 0; i < rows; ++i) data.columns[0].values[i] += 3e-6 * noise[i];
     const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", options);
     EXPECT_TRUE(model.has_value());
@@ -122,28 +134,34 @@ std::map<std::string, Coverage> coverage(double phi, double share, std::size_t r
 }
 
 TEST(SerialErrors, CoverTheTruthUnderSlowNoise) {
-  for (const auto& [phi, share] :
-       std::vector<std::pair<double, double>>{{0, 0}, {0.5, 1}, {0.8, 1}, {0.95, 1}, {0.95, 0.5}}) {
+  // The last: an interferometer's instability of two rows and a stabiliser's wander of fifty.
+  for (const auto& parts : std::vector<std::vector<SlowPart>>{
+           {}, {{0.5, 1}}, {{0.8, 1}}, {{0.95, 1}}, {{0.95, 0.5}}, {{0.6, 0.5}, {0.98, 0.45}}}) {
     Coverage temperatures, positions;
-    for (const auto& [name, term] : coverage(phi, share, 400)) {
+    for (const auto& [name, term] : coverage(parts, 400)) {
       auto& group = name.front() == 't' ? temperatures : positions;
       group.classical += term.classical;
       group.serial += term.serial;
       group.trials += term.trials;
     }
-    const std::string label =
-        "phi " + effects::number_text(phi) + ", share " + effects::number_text(share);
+    std::string label;
+    double slow = 0;
+    for (const auto& part : parts) {
+      label += "phi " + effects::number_text(part.phi) + ", share " +
+               effects::number_text(part.share) + "; ";
+      slow += part.phi * part.share;
+    }
     for (const auto& [what, group] :
          {std::pair("temperatures", temperatures), std::pair("positions", positions)}) {
       const double low = at_least(group.serial, group.trials),
                    high = at_most(group.serial, group.trials);
-      std::printf("%-22s %-13s classical %3d of %d, serial %3d (95 %%: %.3f to %.3f)\n",
+      std::printf("%-42s %-13s classical %3d of %d, serial %3d (95 %%: %.3f to %.3f)\n",
                   label.c_str(), what, group.classical, group.trials, group.serial, low, high);
       // Promised: 92 to 98 %. The test fails when the interval of what was seen excludes that.
-      EXPECT_GE(high, 0.92);
-      EXPECT_LE(low, 0.98);
+      EXPECT_GE(high, 0.92) << label << what;
+      EXPECT_LE(low, 0.98) << label << what;
     }
-    if (phi * share >= 0.8) {
+    if (slow >= 0.7) {
       EXPECT_LT(at_most(temperatures.classical, temperatures.trials), 0.6)
           << "the classical errors were good enough: nothing was tested";
     }
@@ -163,7 +181,7 @@ TEST(SerialErrors, OfLongDataComeFromStretchesOfIt) {
   std::mt19937 random(12);
   Dataset data = make_campaign({.rows = 60000, .thermometers = 3, .noise_mm = 0});
   data.set.clear();
-  const auto noise = slow_noise(random, data.rows, 0.9, 0.8);
+  const auto noise = slow_noise(random, data.rows, {{0.9, 0.8}});
   for (std::size_t i = 0; i < data.rows; ++i) data.columns[0].values[i] += 3e-6 * noise[i];
   FitOptions options;
   options.select = Select::all;
