@@ -1,6 +1,7 @@
 #include "tests/statistics/later_zeros/later_zero_case.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -74,22 +75,26 @@ std::vector<LaterTarget> judged(const calibration::Model& model, const CellDescr
 
 }  // namespace
 
-std::vector<std::vector<LaterTarget>> later_zeros(std::uint64_t seed) {
+std::vector<std::vector<LaterTarget>> later_zeros(std::uint64_t seed, const LaterRoom& room) {
   std::mt19937_64 random(seed);
   const auto within = [&](double least, double most) {
     return std::uniform_real_distribution<double>(least, most)(random);
   };
-  // The room leaves 20 degC for the campaign, lies beyond either end of its way while the zeros are
-  // taken, and comes back to the middle for the targets.
+  // The room leaves 20 degC for the campaign. While the zeros are taken it lies beyond either end
+  // of that way, or on it; it comes back to the middle for the targets.
   const double way_k = (within(0, 1) < 0.5 ? -1 : 1) * within(0.5, 2);
   const double beyond_k = way_k * within(0.2, 1.2);
   const bool at_far_end = within(0, 1) < 0.5;
+  const double at_zeros_k = room.stays_within ? way_k * within(0, 1)
+                            : at_far_end      ? way_k + beyond_k
+                                              : -beyond_k;
   char schedule[200];
   std::snprintf(schedule, sizeof schedule, "[[0.0833, %.4f], [4.0, %.4f], [%.1f, %.4f]]",
-                20 + way_k, at_far_end ? 20 + way_k + beyond_k : 20 - beyond_k, kBack_h,
-                20 + 0.5 * way_k);
+                20 + way_k, 20 + at_zeros_k, kBack_h, 20 + 0.5 * way_k);
   auto made = linear_axis_machine(seed, schedule);
-  const auto model = formats::fit_formula(made.measured.dataset, made.measured.formula, {});
+  calibration::FitOptions options;
+  options.select = room.select;
+  const auto model = formats::fit_formula(made.measured.dataset, made.measured.formula, options);
   if (!model) throw std::runtime_error(model.error().message);
   std::vector<Visit> zeros, visits;
   for (double h = kFirstZero_h; h < kBack_h; h += 1)
@@ -102,14 +107,25 @@ std::vector<std::vector<LaterTarget>> later_zeros(std::uint64_t seed) {
   return out;
 }
 
+std::vector<LaterZeroCount::Class> LaterZeroCount::empty_classes() {
+  constexpr std::array<double, 7> kEdges = {0, 1e-12, 0.1, 0.25, 0.5, 1, 1e300};
+  std::vector<Class> out(kEdges.size() - 1);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].from = kEdges[i];
+    out[i].to = kEdges[i + 1];
+  }
+  return out;
+}
+
 void LaterZeroCount::add(const std::vector<std::vector<LaterTarget>>& zeros) {
-  for (const auto& targets : zeros)
-    for (auto& one : classes_) {
-      if (targets.empty() || targets.front().zero_excess < one.from ||
-          targets.front().zero_excess >= one.to)
+  for (auto& one : classes_) {
+    const int targets = one.targets, hits = one.hits;
+    for (const auto& of_zero : zeros) {
+      if (of_zero.empty() || of_zero.front().zero_excess < one.from ||
+          of_zero.front().zero_excess >= one.to)
         continue;
       ++one.zeros;
-      for (const auto& target : targets) {
+      for (const auto& target : of_zero) {
         ++one.targets;
         one.flagged += target.is_flagged ? 1 : 0;
         one.hits += std::abs(target.error_nm) <= 2 * target.u_nm ? 1 : 0;
@@ -117,23 +133,32 @@ void LaterZeroCount::add(const std::vector<std::vector<LaterTarget>>& zeros) {
         one.error_nm2 += target.error_nm * target.error_nm;
         one.ratio2 += std::pow(target.error_nm / target.u_nm, 2);
         one.ratio2_of_pose += std::pow(target.error_nm / target.u_of_pose_nm, 2);
+        one.u_nm.push_back(target.u_nm);
       }
     }
+    one.by_machine.add_campaign(one.hits - hits, one.targets - targets);
+  }
 }
 
 std::string LaterZeroCount::table() const {
   std::string text =
-      "zero outside by  zeros  targets  within 2u  error/u  pose alone: within 2u  error/u  rms "
-      "error\n";
+      "zero outside by  zeros  targets  within 2u  95 % by machine  error/u  median u  pose alone: "
+      "within 2u  error/u  rms error\n";
   for (const auto& one : classes_) {
     if (one.targets == 0) continue;
     const double n = one.targets;
+    const auto interval = one.by_machine.clustered();
+    auto u_nm = one.u_nm;
+    const auto middle = u_nm.begin() + static_cast<std::ptrdiff_t>(u_nm.size() / 2);
+    std::ranges::nth_element(u_nm, middle);
     char line[200];
     std::snprintf(line, sizeof line,
-                  "%6.2f .. %6.2f  %5d  %7d   %6.1f %%  %7.2f  %19.1f %%  %7.2f  %6.1f nm\n",
+                  "%6.2f .. %6.2f  %5d  %7d   %6.1f %%  %5.1f .. %5.1f %%  %7.2f  %5.1f nm  "
+                  "%19.1f %%  %7.2f  %6.1f nm\n",
                   one.from, std::min(one.to, 99.0), one.zeros, one.targets, 100 * one.rate(),
-                  std::sqrt(one.ratio2 / n), 100 * one.rate_of_pose(),
-                  std::sqrt(one.ratio2_of_pose / n), std::sqrt(one.error_nm2 / n));
+                  100 * interval.low, 100 * interval.high, std::sqrt(one.ratio2 / n), *middle,
+                  100 * one.rate_of_pose(), std::sqrt(one.ratio2_of_pose / n),
+                  std::sqrt(one.error_nm2 / n));
     text += line;
   }
   return text;
