@@ -130,13 +130,7 @@ Result<void> divide_rows(const Dataset& dataset, Judging judging, Problem& probl
             : judging == Judging::apart && i * kBlocks / complete.size() % kEvery == kEvery - 2;
     (judges ? problem.judge : problem.learn).push_back(complete[i]);
   }
-  const std::size_t wanted = problem.base.size() + kRowsBeyondBase;
-  if (problem.learn.size() < wanted)
-    return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
-                std::to_string(problem.learn.size()) +
-                    " rows to learn from have every value that the baseline needs (of " +
-                    std::to_string(dataset.rows) + " rows): a diagnosis of this baseline needs " +
-                    std::to_string(wanted) + " at least");
+  DRIFTWISE_RETURN_IF_ERROR(check_rows_needed(problem));
   problem.judged_in_turn = !problem.judged_by_validation && judging == Judging::in_turn;
   if (problem.judged_in_turn) {
     problem.folds = folds_of(problem);

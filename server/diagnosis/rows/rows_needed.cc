@@ -1,0 +1,76 @@
+#include "server/diagnosis/rows/rows_needed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/core/reasons.h"
+#include "server/diagnosis/rows/problem.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+std::string rows_text(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " row" : " rows");
+}
+
+std::string are(std::size_t count) { return rows_text(count) + (count == 1 ? " is " : " are "); }
+
+// Rows not left out that lack a value of the channel.
+std::size_t lacking(const Dataset& data, const DatasetColumn& column) {
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < data.rows; ++row)
+    count += !data.is_excluded(row) && !std::isfinite(column.values[row]) ? 1 : 0;
+  return count;
+}
+
+// A sentence for each kind of row that teaches nothing, with what to do about it.
+std::vector<std::string> losses(const Problem& problem) {
+  const Dataset& data = problem.data();
+  std::vector<std::string> result;
+  std::size_t left_out = 0;
+  for (std::size_t row = 0; row < data.rows; ++row) left_out += data.is_excluded(row) ? 1 : 0;
+  if (left_out > 0)
+    result.push_back(are(left_out) +
+                     "left out (marked excluded, the same as an earlier row, or without a value "
+                     "of a condition): take back the marks that are wrong");
+  if (problem.judged_by_validation)
+    result.push_back(are(problem.judge.size()) +
+                     "marked validation and only judge: mark rows to learn from as calibration in "
+                     "column set");
+  else if (!problem.judge.empty())
+    result.push_back(are(problem.judge.size()) + "kept out to judge by: measure more");
+  const auto outputs = problem.output_symbols();
+  std::set<std::string> read;
+  for (const auto& term : problem.base)
+    for (auto& symbol : effects::symbols_of(term)) read.insert(std::move(symbol));
+  for (const auto& column : data.columns) {
+    const std::string& symbol = column.channel.symbol;
+    const bool is_output = std::ranges::find(outputs, symbol) != outputs.end();
+    if (!is_output && !read.contains(symbol)) continue;
+    if (const std::size_t count = lacking(data, column); count > 0)
+      result.push_back(symbol + " has no value in " + rows_text(count) +
+                       (is_output ? ": measure it, or name another output"
+                                  : ": leave it out of the baseline, or measure it"));
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<void> check_rows_needed(const Problem& problem) {
+  const std::size_t wanted = problem.base.size() + kRowsBeyondBase, found = problem.learn.size();
+  if (found >= wanted) return {};
+  std::string why;
+  for (const auto& loss : losses(problem)) why += (why.empty() ? "" : "; ") + loss;
+  return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
+              "a diagnosis of this baseline needs " + rows_text(wanted) +
+                  " to learn from, and finds " + std::to_string(found) + " in data of " +
+                  rows_text(problem.data().rows) + ": " +
+                  (why.empty() ? "measure more, or leave terms out of the baseline" : why));
+}
+
+}  // namespace driftwise::diagnosis
