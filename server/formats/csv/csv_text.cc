@@ -58,6 +58,20 @@ std::pair<std::string, std::string> metadata_from(std::string_view line) {
   return {clean_line(key), clean_line(trimmed_remark(body.substr(colon + 1)))};
 }
 
+// Text that no number was meant with: "ok", and not "1.5mm" or "nan".
+bool is_words(std::string_view text) {
+  const auto is_letter = [](char c) { return (c | 0x20) >= 'a' && (c | 0x20) <= 'z'; };
+  return std::ranges::any_of(text, is_letter) &&
+         text.find_first_of("0123456789") == std::string_view::npos && !text.ends_with("nan") &&
+         !text.ends_with("inf");
+}
+
+bool is_number(std::string_view text) {
+  double value = 0;
+  const auto [after, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return !text.empty() && after == text.data() + text.size() && code != std::errc::invalid_argument;
+}
+
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
 // The last one counts without its end, too.
@@ -97,16 +111,25 @@ Result<void> read_names(std::string_view line, const std::string& file_name,
       return refuse(reasons::kQuotedField, "column " + std::to_string(number) + ": found " +
                                                shown(name) + ", expected a name without quotes");
     if (name.empty())
-      return refuse(reasons::kNoHeader, "column " + std::to_string(number) + " has no name");
+      return refuse(reasons::kNoHeader,
+                    "column " + std::to_string(number) + " has no name" +
+                        (comma == std::string_view::npos && number > 1
+                             ? ": leave out the comma at the end of the line, here and in the rows"
+                             : ": name it, or leave the column out"));
+    if (is_number(name))
+      return refuse(reasons::kNoHeader,
+                    "found the number " + shown(name) + " where column " + std::to_string(number) +
+                        " has its name: the file needs a header row such as time_s,q1_mm,x_mm "
+                        "above its numbers");
     if (name.find(';') != std::string_view::npos)
       return refuse(
           reasons::kNoHeader,
           "found " + shown(name) + ": fields are separated by commas and decimals by points");
     const auto [twin, is_new] = places.emplace(name, number);
     if (!is_new)
-      return refuse(reasons::kDuplicateColumn, "columns " + std::to_string(twin->second) + " and " +
-                                                   std::to_string(number) + " are both named " +
-                                                   shown(name));
+      return refuse(reasons::kDuplicateColumn,
+                    "columns " + std::to_string(twin->second) + " and " + std::to_string(number) +
+                        " are both named " + shown(name) + ": rename one of them, or leave it out");
     header.names.emplace_back(name);
     if (comma == std::string_view::npos) break;
     rest.remove_prefix(comma + 1);
@@ -287,10 +310,11 @@ bool CsvRows::finish_field(const char* after, const char* expected, Reason reaso
 bool CsvRows::refuse(Reason reason, const char* expected) {
   failed_ = true;
   if (expected == nullptr) {
-    const auto fields = std::ranges::count(row(), ',') + 1;
+    const auto fields = static_cast<std::size_t>(std::ranges::count(row(), ',')) + 1;
     error_ = problem(reason, names_.size(),
-                     "found " + std::to_string(fields) + " fields, expected " +
-                         std::to_string(names_.size()) + " as in the header row");
+                     "found " + std::to_string(fields) + (fields == 1 ? " field" : " fields") +
+                         ", expected " + std::to_string(names_.size()) + " as in the header row" +
+                         surplus(fields));
   } else if (const auto text = field(); text.find('"') != std::string_view::npos) {
     error_ =
         problem(reasons::kQuotedField, column_, "found " + shown(text) + ", expected no quotes");
@@ -298,8 +322,21 @@ bool CsvRows::refuse(Reason reason, const char* expected) {
     error_ = problem(reason, column_,
                      "found " + (text.empty() ? std::string("nothing") : shown(text)) +
                          ", expected " + expected);
+    if (error_.reason == reasons::kBadNumber && is_words(text))
+      error_.message += ": leave a column of text out";
   }
   return false;
+}
+
+// Advice on a row with more fields than columns; empty where there are fewer.
+std::string CsvRows::surplus(std::size_t fields) const {
+  if (fields <= names_.size()) return "";
+  if (row().ends_with(',')) return ": leave out the comma at the end of the line";
+  if (fields == 2 * names_.size())
+    return ": twice as many, as of decimal commas: write decimals with points, or part the fields "
+           "by semicolons and read the file with driftwise data import FILE --mapping MAP.toml "
+           "(decimal = \",\", docs/import.md)";
+  return "";
 }
 
 std::string_view CsvRows::row() const {

@@ -78,6 +78,7 @@ class CsvRows {
  private:
   bool finish_field(const char* after, const char* expected, Reason reason);
   bool refuse(Reason reason, const char* expected);
+  std::string surplus(std::size_t fields) const;
   std::string_view field() const;
   std::string_view row() const;
 

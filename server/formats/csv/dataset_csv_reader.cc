@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <unordered_map>
@@ -98,6 +99,8 @@ Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::
     if (!channel) {
       std::string message = at_line(file_name, header.line) + "column " + std::to_string(i + 1) +
                             ": " + channel.error().message;
+      if (name.starts_with("time") || name.starts_with("Time"))
+        message += "; the time of a row goes in time_s, in seconds";
       return fail(ErrorCode::invalid_argument, channel.error().reason, std::move(message));
     }
     const auto [place, is_new] = places.emplace(channel->symbol, data.columns.size());
@@ -211,6 +214,7 @@ class Reader {
   Reader(const CsvHeader& header, const std::string& file_name, const std::vector<Column>& columns)
       : header_(header), file_name_(file_name), columns_(columns) {
     while (time_ < columns.size() && columns[time_].kind != CsvColumn::time) ++time_;
+    while (run_ < columns.size() && columns[run_].kind != CsvColumn::run) ++run_;
   }
 
   Found read(const CsvChunk& chunk) const {
@@ -226,7 +230,7 @@ class Reader {
       if (found.error) return found;
       if (found.rows++ == 0) found.first_line = rows.line();
     }
-    if (rows.failed()) found.error = rows.error();
+    if (rows.failed()) found.error = with_way_to_time(rows.error());
     return found;
   }
 
@@ -244,17 +248,43 @@ class Reader {
   std::optional<Error> out_of_order(const CsvRows& rows, std::size_t before,
                                     std::size_t now) const {
     if (time(now) > time(before)) return std::nullopt;
-    return rows.problem(
-        reasons::kTimeNotIncreasing, time_,
-        "found " + number_text(time(now)) + " after " + number_text(time(before)) +
-            ", expected a later time in every row: sort the rows, or leave the "
-            "column out where its clock is too coarse, and they count in their order");
+    return rows.problem(reasons::kTimeNotIncreasing, time_,
+                        "found " + number_text(time(now)) + " after " + number_text(time(before)) +
+                            ", expected a later time in every row: " + mended(before, now));
+  }
+
+  // What to do about a time that does not increase. Sorting is wrong where a run was put behind
+  // another one: it would mix their rows.
+  std::string mended(std::size_t before, std::size_t now) const {
+    constexpr const char* kUntimed = "leave the column out, and the rows count in their order";
+    if (time(now) == time(before))
+      return std::string("leave out a row that is there twice; where the clock is too coarse, ") +
+             kUntimed;
+    const std::string later = "add " + number_text(std::ceil(time(before) - time(now))) +
+                              " s, and the pause between the runs, to the times from this line on";
+    if (run_ < columns_.size() && columns_[run_].integers[now] != columns_[run_].integers[before])
+      return "the clock restarts with run " + std::to_string(columns_[run_].integers[now]) + ": " +
+             later;
+    return "where a second run begins here and its clock restarts, " + later +
+           ", and number the runs in a column run; where single rows are out of order, sort them; "
+           "else " +
+           kUntimed;
+  }
+
+  // A date and time of day in time_s: what reads it.
+  Error with_way_to_time(Error error) const {
+    if (timed() && error.reason == reasons::kBadNumber &&
+        error.message.find("column time_s: found '") != std::string::npos)
+      error.message +=
+          "; time_s is in seconds from any start; dates and times of day: driftwise data import "
+          "FILE --mapping MAP.toml -o dataset.csv (docs/import.md)";
+    return error;
   }
 
   const CsvHeader& header_;
   const std::string& file_name_;
   const std::vector<Column>& columns_;
-  std::size_t time_ = 0;
+  std::size_t time_ = 0, run_ = 0;  // columns; number of columns: none
 };
 
 // The first error in the order of the rows, whoever met it first.

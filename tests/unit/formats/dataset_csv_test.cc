@@ -75,10 +75,26 @@ INSTANTIATE_TEST_SUITE_P(
         DatasetMistake{"NoUnit", "time_s,x\n1,2\n", "BAD_CHANNEL",
                        "drift.csv:1: column 2: 'x' is no channel"},
         DatasetMistake{"UnknownUnit", "x_furlong\n1\n", "BAD_CHANNEL", "column 1: 'x_furlong'"},
-        DatasetMistake{"Twins", "x_mm,q1_mm,x_mm\n1,2,3\n", "DUPLICATE_COLUMN",
-                       "columns 1 and 3 are both named 'x_mm'"},
-        DatasetMistake{"NoName", "x_mm,,q1_mm\n1,2,3\n", "NO_HEADER", "column 2 has no name"},
-        DatasetMistake{"TrailingComma", "x_mm,\n1,\n", "NO_HEADER", "column 2 has no name"},
+        DatasetMistake{
+            "Twins", "x_mm,q1_mm,x_mm\n1,2,3\n", "DUPLICATE_COLUMN",
+            "columns 1 and 3 are both named 'x_mm': rename one of them, or leave it out"},
+        DatasetMistake{"NoName", "x_mm,,q1_mm\n1,2,3\n", "NO_HEADER",
+                       "column 2 has no name: name it, or leave the column out"},
+        DatasetMistake{"TrailingComma", "x_mm,\n1,\n", "NO_HEADER",
+                       "column 2 has no name: leave out the comma at the end of the line, here and "
+                       "in the rows"},
+        DatasetMistake{"TrailingCommaOfARow", "x_mm\n1,\n", "RAGGED_ROW",
+                       "found 2 fields, expected 1 as in the header row: leave out the comma at "
+                       "the end of the line"},
+        DatasetMistake{"NoHeaderRow", "# a: b\n0.000,12.5\n1,2\n", "NO_HEADER",
+                       "drift.csv:2: found the number '0.000' where column 1 has its name: the "
+                       "file needs a header row such as time_s,q1_mm,x_mm"},
+        DatasetMistake{"TimeInHours", "time_h,x_mm\n1,2\n", "BAD_CHANNEL",
+                       "the time of a row goes in time_s, in seconds; another program's table: "
+                       "driftwise data import"},
+        DatasetMistake{
+            "TimeOfDay", "time_s,x_mm\n2026-11-28T10:00:00,0\n", "BAD_NUMBER",
+            "time_s is in seconds from any start; dates and times of day: driftwise data import"},
         DatasetMistake{"Semicolons", "x_mm;q1_mm\n1;2\n", "NO_HEADER", "separated by commas"},
         DatasetMistake{"SemicolonsOfAnotherProgram", "Time;Position\n1;2,5\n", "NO_HEADER",
                        "driftwise data import FILE --mapping MAP.toml"},
@@ -88,6 +104,19 @@ INSTANTIATE_TEST_SUITE_P(
                        "drift.csv:3: column time_s: found 1 after 2"},
         DatasetMistake{"TimeStands", "time_s,x_mm\n2,0\n2,0\n", "TIME_NOT_INCREASING",
                        "found 2 after 2"},
+        DatasetMistake{
+            "RowsOutOfOrder", "time_s,x_mm\n0,0\n20.5,0\n10,0\n", "TIME_NOT_INCREASING",
+            "drift.csv:4: column time_s: found 10 after 20.5, expected a later time in every row: "
+            "where a second run begins here and its clock restarts, add 11 s, and the pause "
+            "between the runs, to the times from this line on, and number the runs in a column "
+            "run; where single rows are out of order, sort them"},
+        DatasetMistake{"JoinedRuns", "time_s,run,x_mm\n5,1,0\n1980,1,0\n0,2,0\n",
+                       "TIME_NOT_INCREASING",
+                       "drift.csv:4: column time_s: found 0 after 1980, expected a later time in "
+                       "every row: the clock restarts with run 2: add 1980 s, and the pause "
+                       "between the runs, to the times from this line on"},
+        DatasetMistake{"RowTwice", "time_s,x_mm\n2,0\n2,0\n", "TIME_NOT_INCREASING",
+                       "leave out a row that is there twice"},
         DatasetMistake{"TimeMissing", "time_s,x_mm\n,0\n", "BAD_NUMBER",
                        "drift.csv:2: column time_s: found nothing, expected seconds"},
         DatasetMistake{
@@ -95,13 +124,17 @@ INSTANTIATE_TEST_SUITE_P(
             "drift.csv:2: column set: found '2nd', expected calibration, validation, or the name"},
         DatasetMistake{"LongSet", "set,x_mm\ncalibrations,0\n", "BAD_SET", "found 'calibrations'"},
         DatasetMistake{"ShortRow", "x_mm,q1_mm\n1,2\n3\n", "RAGGED_ROW",
-                       "drift.csv:3: found 1 fields, expected 2"},
+                       "drift.csv:3: found 1 field, expected 2"},
         DatasetMistake{"LongRow", "x_mm,q1_mm\n1,2,3\n", "RAGGED_ROW",
                        "drift.csv:2: found 3 fields, expected 2"},
         DatasetMistake{"Word", "x_mm,q1_mm\n1,abc\n", "BAD_NUMBER",
                        "drift.csv:2: column q1_mm: found 'abc', expected a finite number"},
+        DatasetMistake{"ColumnOfText", "x_mm,note_1\n1,ok\n", "BAD_NUMBER",
+                       "or nothing: leave a column of text out"},
         DatasetMistake{"Tail", "x_mm\n1.5mm\n", "BAD_NUMBER", "found '1.5mm'"},
-        DatasetMistake{"DecimalComma", "x_mm\n1,5\n", "RAGGED_ROW", "found 2 fields, expected 1"},
+        DatasetMistake{"DecimalComma", "x_mm\n1,5\n", "RAGGED_ROW",
+                       "found 2 fields, expected 1 as in the header row: twice as many, as of "
+                       "decimal commas: write decimals with points"},
         DatasetMistake{"Nan", "x_mm\nnan\n", "BAD_NUMBER", "found 'nan'"},
         DatasetMistake{"MinusInf", "x_mm\n-inf\n", "BAD_NUMBER", "found '-inf'"},
         DatasetMistake{"TooLarge", "x_mm\n1e999\n", "BAD_NUMBER", "found '1e999'"},
