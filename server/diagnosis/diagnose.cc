@@ -21,6 +21,7 @@
 #include "server/diagnosis/report/as_read.h"
 #include "server/diagnosis/report/division.h"
 #include "server/diagnosis/report/heading.h"
+#include "server/diagnosis/report/left_unread.h"
 #include "server/diagnosis/report/loose_terms.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
@@ -81,10 +82,7 @@ class Diagnoser {
     if (!progress_.at(0.02, "looking at sensors and rows")) return cancelled();
     faults_.note_sensors(sensors);
     for (const auto& term : problem_.undetermined)
-      result_.warnings.push_back(
-          effects::notation(term) +
-          " of the baseline is left out: the rows that it learns from do not "
-          "tell it apart from the terms before it");
+      result_.warnings.push_back(undetermined_note(problem_, term));
     faults_.leave_out_outliers();
     auto excluded = options_.exclude_symbols;
     const auto outputs = problem_.output_symbols();

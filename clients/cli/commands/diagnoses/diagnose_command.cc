@@ -6,6 +6,7 @@
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
 #include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/report/left_unread.h"
 #include "server/diagnosis/robot/robot_diagnosis.h"
 #include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/separating/separating.h"
@@ -67,6 +68,8 @@ diagnosis::Diagnosis of_robot(const DiagnoseArguments& a, const Dataset& data,
   const auto mechanism = value_or_throw(kinematics::make_mechanism(
       value_or_throw(formats::parse_robot_file(read_input_file(a.kinematics), a.kinematics))));
   auto found = value_or_throw(diagnosis::diagnose_robot(data, mechanism, options));
+  if (auto said = diagnosis::unread_pose_note(data, *mechanism); !said.empty())
+    found.diagnosis.warnings.push_back(std::move(said));
   if (!a.robot_out.empty()) write_output_file(a.robot_out, formats::write_robot_file(found.robot));
   return std::move(found.diagnosis);
 }
