@@ -84,12 +84,19 @@ int exit_code_of(const Error& error) {
   return bad_input ? 3 : 5;
 }
 
-Result<application::Devices> make_devices(const CellDescription& cell, DeviceContext context) {
+Result<application::Devices> make_devices(const CellDescription& cell, const std::string& path,
+                                          DeviceContext context) {
   context.shared = std::make_shared<SharedByAddress>();
   application::Devices devices;
-  for (const auto& device : cell.devices) {
-    DRIFTWISE_TRY(auto made, find_kind(cell.kinds, device.kind)->make(device, context));
-    devices.push_back(std::move(made));
+  for (std::size_t i = 0; i < cell.devices.size(); ++i) {
+    auto made = find_kind(cell.kinds, cell.devices[i].kind)->make(cell.devices[i], context);
+    if (!made) {
+      Error error = std::move(made.error());
+      if (error.code == ErrorCode::invalid_argument)
+        error.message.insert(0, formats::device_place(cell, path, i, error.message));
+      return tl::unexpected(std::move(error));
+    }
+    devices.push_back(std::move(*made));
   }
   return devices;
 }
@@ -247,8 +254,8 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   Clock& the_clock = *clock;
   // A check drives nothing, so it may be made beside the daemon of the same cell.
   const auto claims = arguments.check ? nullptr : std::make_shared<locks::Claims>();
-  DRIFTWISE_TRY(auto devices,
-                make_devices(description, {context.get_executor(), the_clock, claims}));
+  DRIFTWISE_TRY(auto devices, make_devices(description, arguments.cell_file,
+                                           {context.get_executor(), the_clock, claims}));
   const std::string web_root = arguments.web_root.empty()
                                    ? formats::web_root_of(description, arguments.cell_file)
                                    : arguments.web_root;

@@ -260,10 +260,7 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
   try {
     read_file(toml::parse(text, path), cell, problem);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
-                at_line(path, error.source().begin.line) + "column " +
-                    std::to_string(error.source().begin.column) + ": " +
-                    std::string(error.description()));
+    return tl::unexpected(syntax_error(error, path));
   }
   if (problem.any()) return tl::unexpected(*problem.first);
   cell.database = beside(cell.database, path);
@@ -305,6 +302,24 @@ Result<CellDescription> read_cell_file(const std::string& path, DeviceKinds kind
   if (file.bad())
     return fail(ErrorCode::not_found, reasons::kNoFile, "cannot read the cell file " + shown(path));
   return parse_cell_file(text, path, kinds);
+}
+
+std::string device_place(const CellDescription& cell, const std::string& path, std::size_t device,
+                         std::string_view complaint) {
+  try {
+    const auto root = toml::parse(cell.text);
+    const auto* table = root["device"][device].as_table();
+    if (table == nullptr) return {};
+    std::size_t line = table->source().begin.line;
+    if (const auto* options = (*table)["options"].as_table())
+      for (const auto& [name, value] : *options)
+        if (complaint.find("option " + std::string(name.str()) + " ") != std::string_view::npos ||
+            complaint.find("option '" + std::string(name.str()) + "'") != std::string_view::npos)
+          line = value.source().begin.line;
+    return at_line(path, line);
+  } catch (const toml::parse_error&) {  // it was not made from a cell file
+    return {};
+  }
 }
 
 }  // namespace driftwise::formats

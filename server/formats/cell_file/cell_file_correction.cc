@@ -108,8 +108,7 @@ Result<CorrectionDescription> parse_correction_file(std::string_view text,
       correction.finish();
     }
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
-                at_line(file_name, error.source().begin.line) + std::string(error.description()));
+    return tl::unexpected(syntax_error(error, file_name));
   }
   if (problem.any()) return tl::unexpected(*problem.first);
   return out;

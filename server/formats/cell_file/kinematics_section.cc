@@ -173,10 +173,7 @@ Result<KinematicsDescription> parse_robot_file(std::string_view text,
                  "docs/kinematics.md");
     if (!root.contains("cell")) top.finish();
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
-                at_line(file_name, error.source().begin.line) + "column " +
-                    std::to_string(error.source().begin.column) + ": " +
-                    std::string(error.description()));
+    return tl::unexpected(syntax_error(error, file_name));
   }
   if (problem.any()) return tl::unexpected(*problem.first);
   return description;

@@ -226,8 +226,7 @@ Result<void> check_startable(const CellDescription& cell, const std::string& pat
     const auto root = toml::parse(cell.text, path);
     StartCheck(cell, root, problem).check();
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
-                at_line(path, error.source().begin.line) + std::string(error.description()));
+    return tl::unexpected(syntax_error(error, path));
   }
   if (problem.any()) return tl::unexpected(*problem.first);
   return {};

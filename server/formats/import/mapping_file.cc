@@ -298,10 +298,7 @@ Result<ImportMapping> read_import_mapping(std::string_view text, const std::stri
   try {
     read_mapping(toml::parse(text, file_name), out, problem);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
-                at_line(file_name, error.source().begin.line) + "column " +
-                    std::to_string(error.source().begin.column) + ": " +
-                    std::string(error.description()));
+    return tl::unexpected(syntax_error(error, file_name));
   }
   if (problem.any()) return tl::unexpected(*problem.first);
   return out;

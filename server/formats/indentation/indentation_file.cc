@@ -157,8 +157,7 @@ Result<IndentationFile> read_indentation_file(std::string_view text, const std::
   try {
     root = toml::parse(text, file_name);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
-                at_line(file_name, error.source().begin.line) + std::string(error.description()));
+    return tl::unexpected(syntax_error(error, file_name));
   }
   TomlProblem problem{file_name, {}};
   TomlReader top(root, "", problem);

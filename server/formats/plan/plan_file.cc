@@ -201,10 +201,7 @@ Result<ServingPlan> read_plan_file(std::string_view text, const std::string& fil
   try {
     root = toml::parse(text, file_name);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
-                at_line(file_name, error.source().begin.line) + "column " +
-                    std::to_string(error.source().begin.column) + ": " +
-                    std::string(error.description()));
+    return tl::unexpected(syntax_error(error, file_name));
   }
   TomlProblem problem{file_name, {}};
   TomlReader top(root, "", problem);

@@ -52,6 +52,16 @@ void TomlProblem::add(ErrorCode code, const std::string& reason, const toml::sou
   if (!first) first = Error{code, reason, at_line(file_name, where.begin.line) + sentence};
 }
 
+Error syntax_error(const toml::parse_error& error, const std::string& file_name) {
+  const std::string_view what = error.description();
+  const bool comma_after_value = what.find("key-value pair") != std::string_view::npos &&
+                                 what.find("saw ','") != std::string_view::npos;
+  return {ErrorCode::invalid_argument, reasons::kTomlSyntax,
+          at_line(file_name, error.source().begin.line) + "column " +
+              std::to_string(error.source().begin.column) + ": " + std::string(what) +
+              (comma_after_value ? ": decimals have a point, such as -25.0" : "")};
+}
+
 TomlReader::TomlReader(const toml::table& table, std::string place, TomlProblem& problem)
     : table_(table), place_(std::move(place)), problem_(problem) {}
 
@@ -90,15 +100,17 @@ void TomlReader::text(const char* key, std::string& value, Need need) {
 
 void TomlReader::choice(const char* key, std::string& value,
                         std::span<const std::string_view> allowed, Need need) {
-  const auto* node = find(key, need);
-  if (!node) return;
+  const auto* node = find(key, Need::optional);
+  if (!node && need == Need::optional) return;
+  std::string list;
+  for (const auto word : allowed) list += (list.empty() ? "" : ", ") + std::string(word);
+  if (!node)
+    return refuse(key, reasons::kMissingKey, "found nothing, expected this key, one of " + list);
   const auto found = node->value<std::string_view>();
   if (found && std::ranges::find(allowed, *found) != allowed.end()) {
     value = *found;
     return;
   }
-  std::string list;
-  for (const auto word : allowed) list += (list.empty() ? "" : ", ") + std::string(word);
   refuse(key, std::string_view(key) == "kind" ? reasons::kUnknownKind : reasons::kOutOfRange,
          "found " + found_text(*node) + ", expected one of " + list);
 }

@@ -33,6 +33,9 @@ struct TomlProblem {
            const std::string& sentence);
 };
 
+// TOML_SYNTAX with file:line and column; a decimal comma is named.
+Error syntax_error(const toml::parse_error& error, const std::string& file_name);
+
 class TomlReader {
  public:
   // place: "device 2, probe 3", "run"; empty for the top level.

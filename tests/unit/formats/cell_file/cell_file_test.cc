@@ -139,6 +139,10 @@ INSTANTIATE_TEST_SUITE_P(
     Table, BadCell,
     testing::Values(
         CellFileMistake{"Syntax", "name = ", "name ", "TOML_SYNTAX", "cell.toml:2: column"},
+        CellFileMistake{"DecimalComma", "min_mm = -4.5", "min_mm = -4,5", "TOML_SYNTAX",
+                        "saw ',': decimals have a point, such as -25.0"},
+        CellFileMistake{"NoPart", "  part = \"robot\"\n", "", "MISSING_KEY",
+                        "part: found nothing, expected this key, one of robot, instrument, air"},
         CellFileMistake{
             "UnknownKey", "max_spread_nm", "max_spred_nm", "UNKNOWN_KEY",
             "cell.toml:15: run: found the unknown key 'max_spred_nm': did you mean max_spread_nm?"},
@@ -233,6 +237,17 @@ TEST(ReadCellFile, NamesAFileThatIsNotThere) {
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.error().reason, "NO_FILE");
   EXPECT_NE(cell.error().message.find("/nowhere/cell.toml"), std::string::npos);
+}
+
+// What a driver finds wrong is found after the file was read.
+TEST(DevicePlace, IsTheLineOfTheDeviceOrOfTheOptionThatADriverNames) {
+  const auto cell = parse_cell_file(kCell, "cell.toml", drivers::all_devices());
+  ASSERT_TRUE(cell) << cell.error().message;
+  EXPECT_EQ(device_place(*cell, "cell.toml", 1, "device 'scanner': input 1: expected 101 .. 599"),
+            "cell.toml:32: ");
+  EXPECT_EQ(device_place(*cell, "cell.toml", 0, "device 'axis': option poll_ms = 'x', expected"),
+            "cell.toml:24: ");
+  EXPECT_EQ(device_place({}, "cell.toml", 0, ""), "");
 }
 
 }  // namespace
