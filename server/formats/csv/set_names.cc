@@ -52,7 +52,7 @@ bool is_set_name(std::string_view word) {
   std::string lower(word);
   for (char& c : lower)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  if (lower.starts_with("cal")) return false;
+  if (lower.starts_with("cal") || lower.starts_with("kal")) return false;
   return lower.starts_with("validation") ||
          nearest_word(lower, {"calibration", "validation"}).empty();
 }

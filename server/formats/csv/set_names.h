@@ -16,7 +16,7 @@ namespace driftwise::formats {
 bool is_set_name(std::string_view word);
 constexpr const char* kSetNameExpected =
     "calibration, validation, or the name of a validation set: a letter, then up to 31 letters, "
-    "digits, '-' or '_', not beginning with cal";
+    "digits, '-' or '_', not beginning with cal or kal";
 
 // Per row of the text, in its order: "calibration", "validation", "inside". Empty: the text has no
 // column `set`. Errors: those of read_csv_header; BAD_SET.

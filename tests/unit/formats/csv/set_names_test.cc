@@ -45,8 +45,8 @@ TEST(SetNames, OfATrajectoryAreItsRowsNames) {
 }
 
 TEST(SetNames, ThatCouldBeASlipForCalibrationAreRefused) {
-  for (const char* word : {"calibratoin", "Calibration", "calib", "cal", "calibration2",
-                           "vaildation", "2inside", "in side", "inside!"}) {
+  for (const char* word : {"calibratoin", "Calibration", "calib", "cal", "Kalibrierung",
+                           "calibration2", "vaildation", "2inside", "in side", "inside!"}) {
     const auto data =
         read_dataset_csv(std::string("set,x_mm\ncalibration,1\n") + word + ",2\n", "data.csv");
     ASSERT_FALSE(data) << word;
