@@ -40,6 +40,7 @@
 #include "clients/cli/core/session.h"
 #include "clients/cli/core/validators.h"
 #include "server/core/text/clean_text.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::cli {
 namespace {
@@ -84,7 +85,14 @@ std::string what_is_wrong(const CLI::App& app, const CLI::App& named,
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
     // CLI11 misses a command before it looks at what stands in its place.
     const auto unknown = app.remaining(true);
-    if (!unknown.empty()) return "there is no '" + unknown.front() + "'";
+    if (!unknown.empty()) {
+      std::vector<std::string> names;
+      for (const CLI::App* one : named.get_subcommands({})) names.push_back(one->get_name());
+      const auto nearest = formats::nearest_word(
+          unknown.front(), std::vector<std::string_view>(names.begin(), names.end()));
+      return "there is no '" + unknown.front() + "'" +
+             (nearest.empty() ? "" : ": did you mean " + nearest + "?");
+    }
     if (what == "A subcommand is required") {
       std::string verbs;
       for (const CLI::App* one : named.get_subcommands({}))

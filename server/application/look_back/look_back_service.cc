@@ -79,11 +79,19 @@ std::string LookBackService::device_of(const std::string& channel) const {
   return latest != nullptr ? latest->device : std::string();
 }
 
+std::string LookBackService::with_unit(std::string channel) const {
+  for (const auto& device : bench_.description.devices)
+    for (const auto& given : device.channels)
+      if (given.symbol == channel) return given.name();
+  return channel;
+}
+
 Awaitable<Result<Stability>> LookBackService::stability_of(std::string channel, CellTime from,
                                                            CellTime to) {
   if (from.utc_ns >= to.utc_ns)
     co_return fail(ErrorCode::invalid_argument, reasons::kBadRange,
                    "from is not before to: expected a stretch of the record");
+  channel = with_unit(std::move(channel));
   DRIFTWISE_CO_TRY(const auto parsed, parse_robot_channel(channel));
   const auto device = device_of(channel);
   if (bench_.description.find_device(device) == nullptr)

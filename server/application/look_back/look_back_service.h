@@ -22,6 +22,8 @@ class LookBackService final : public LookBack {
 
  private:
   std::string device_of(const std::string& channel) const;  // empty: none gives it
+  // t05 -> t05_degC, of the cell's channels; else as it is.
+  std::string with_unit(std::string channel) const;
 
   Workbench& bench_;
   StoreReader& reader_;

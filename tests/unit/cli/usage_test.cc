@@ -29,12 +29,19 @@ TEST_F(CliTest, UsageErrorsExitWith2) {
            {"fit", "--model", "q ~ x"},
            {"fit", "a.csv", "--run", "3", "--model", "q ~ x"},
            {"fit", "--run", "3", "--model", "q ~ x", "--exclude-rows", "3"},
+           {"fit", "--run", "3", "--model", "q ~ x", "-o", "model.c"},
+           {"fit", "a.csv", "--method", "nominal", "-o", "model.c"},
            {"status", "--timeout", "-1"}}) {
     const auto outcome = run(line);
     EXPECT_EQ(outcome.exit, 2) << testing::PrintToString(line) << outcome.err;
     EXPECT_EQ(outcome.out, "") << "data only on standard output";
     EXPECT_THAT(outcome.err, testing::StartsWith("driftwise: "));
   }
+}
+
+TEST_F(CliTest, ASlipInAVerbIsToldTheNearestOne) {
+  EXPECT_THAT(run({"staus"}).err, HasSubstr("there is no 'staus': did you mean status?"));
+  EXPECT_THAT(run({"run", "strt"}).err, HasSubstr("there is no 'strt': did you mean start?"));
 }
 
 TEST_F(CliTest, AnUnknownCommandIsNamed) {
