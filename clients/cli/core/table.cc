@@ -17,19 +17,22 @@ void Table::add(std::vector<std::string> row) {
   rows_.push_back(std::move(row));
 }
 
+// A column is as wide as its longest cell of up to kWidest characters. A longer cell stands out in
+// its own row: blanks in all others would make them as long.
 void Table::print(std::ostream& out, const Paint& paint) const {
+  constexpr std::size_t kWidest = 40;
   std::vector<std::size_t> widths;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     std::size_t width = width_of(columns_[i].header);
     for (const auto& row : rows_)
-      if (i < row.size()) width = std::max(width, width_of(row[i]));
+      if (i < row.size() && width_of(row[i]) <= kWidest) width = std::max(width, width_of(row[i]));
     widths.push_back(width);
   }
   const auto line_of = [&](const std::vector<std::string>& cells) {
     std::string line;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       const std::string cell = i < cells.size() ? cells[i] : "";
-      const std::string padding(widths[i] - width_of(cell), ' ');
+      const std::string padding(widths[i] - std::min(widths[i], width_of(cell)), ' ');
       if (i > 0) line += "  ";
       line += columns_[i].align == Align::right ? padding + cell : cell + padding;
     }
