@@ -273,6 +273,8 @@ Result<void> answer_pose(const compensation::Snapshot& snapshot,
   v1::Target flags;
   add_flags(snapshot, found.target, flags);
   *out.mutable_flags() = flags.flags();
+  *out.mutable_outside_channels() = flags.outside_channels();
+  *out.mutable_ignored_channels() = flags.ignored_channels();
   return {};
 }
 

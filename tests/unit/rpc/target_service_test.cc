@@ -84,6 +84,12 @@ TEST_F(TargetServiceTest, EstimatesThePoseOfMotorCoordinates) {
   EXPECT_NEAR(pose->coordinates(0).u(), 10e-6, 1e-15);
   EXPECT_FALSE(pose->coordinates(0).has_measured()) << "nobody stands there";
   EXPECT_EQ(pose->model_id(), 3);
+  request.add_stated()->set_channel("z_mm");
+  request.mutable_stated(0)->set_value(1);
+  const auto stated = ask(&TargetStub::EstimatePose, request);
+  ASSERT_TRUE(stated) << stated.error().message;
+  EXPECT_THAT(stated->flags(), testing::Contains(v1::Target::FLAG_IGNORED_COORDINATE));
+  EXPECT_THAT(stated->ignored_channels(), testing::ElementsAre("z_mm"));
   request.mutable_motor(0)->set_channel("q2_mm");
   EXPECT_THAT(ask(&TargetStub::EstimatePose, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_CHANNEL"));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "clients/cli/commands/targets/target_command.h"
 #include "clients/cli/core/assignment.h"
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/table.h"
@@ -52,9 +53,11 @@ void print_pose(const Console& console, const v1::EstimatePoseResponse& pose) {
     console.out << ' ' << value.channel() << ' ' << fixed(value.value(), 7);
   console.out << "; model " << pose.model_id() << ", conditions of "
               << clock_text(pose.conditions_time()) << " UTC\n";
-  for (const int flag : pose.flags())
-    console.out << console.paint_out().warn("! ")
-                << v1::Target::Flag_Name(static_cast<v1::Target::Flag>(flag)).substr(5) << '\n';
+  v1::Target flags;
+  *flags.mutable_flags() = pose.flags();
+  *flags.mutable_outside_channels() = pose.outside_channels();
+  *flags.mutable_ignored_channels() = pose.ignored_channels();
+  print_flags(console, flags);
 }
 
 }  // namespace

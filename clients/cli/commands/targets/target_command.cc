@@ -54,6 +54,18 @@ std::string unreachable_text(const v1::Target& target) {
 
 bool reachable(const v1::Target& target) { return target.unreachable_channels().empty(); }
 
+// The pose coordinate that a motor coordinate of a robot without coupling stands beside: q1 - x and
+// so on.
+const v1::ChannelValue* beside(const v1::ComputeTargetRequest& request, int axis) {
+  static constexpr const char* kPose[] = {"x_mm", "y_mm", "z_mm"};
+  if (axis >= 3) return nullptr;
+  for (const auto& value : request.pose())
+    if (value.channel() == kPose[axis]) return &value;
+  return nullptr;
+}
+
+}  // namespace
+
 void print_flags(const Console& console, const v1::Target& target) {
   const Paint paint = console.paint_out();
   for (const int flag : target.flags()) {
@@ -71,7 +83,8 @@ void print_flags(const Console& console, const v1::Target& target) {
               " (the cell file has no such axis, so nothing says whether it can be reached)";
     if (flag == v1::Target::FLAG_IGNORED_COORDINATE)
       line += ": the model does not depend on " + joined(target.ignored_channels());
-    if (flag == v1::Target::FLAG_OUTSIDE_LIMITS) line = unreachable_text(target);
+    if (flag == v1::Target::FLAG_OUTSIDE_LIMITS && target.coordinates_size() > 0)
+      line = unreachable_text(target);
     if (flag == v1::Target::FLAG_UNJUDGED_MODEL)
       line += ": no data judged it, so neither its domain nor its uncertainty is known";
     if (flag == v1::Target::FLAG_DOUBTFUL_MODEL)
@@ -81,18 +94,6 @@ void print_flags(const Console& console, const v1::Target& target) {
     console.out << paint.warn("! ") << line << '\n';
   }
 }
-
-// The pose coordinate that a motor coordinate of a robot without coupling stands beside: q1 - x and
-// so on.
-const v1::ChannelValue* beside(const v1::ComputeTargetRequest& request, int axis) {
-  static constexpr const char* kPose[] = {"x_mm", "y_mm", "z_mm"};
-  if (axis >= 3) return nullptr;
-  for (const auto& value : request.pose())
-    if (value.channel() == kPose[axis]) return &value;
-  return nullptr;
-}
-
-}  // namespace
 
 namespace {
 

@@ -11,4 +11,7 @@ void add_target_command(CLI::App& app, Session& session);
 void print_target(const Console& console, const v1::ComputeTargetRequest& request,
                   const v1::Target& target);
 
+// One line for each flag, with the channels that it is about.
+void print_flags(const Console& console, const v1::Target& target);
+
 }  // namespace driftwise::cli
