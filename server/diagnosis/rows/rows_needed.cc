@@ -13,11 +13,11 @@
 namespace driftwise::diagnosis {
 namespace {
 
-std::string rows_text(std::size_t count) {
+std::string count_text(std::size_t count) {
   return std::to_string(count) + (count == 1 ? " row" : " rows");
 }
 
-std::string are(std::size_t count) { return rows_text(count) + (count == 1 ? " is " : " are "); }
+std::string are(std::size_t count) { return count_text(count) + (count == 1 ? " is " : " are "); }
 
 // Rows not left out that lack a value of the channel.
 std::size_t lacking(const Dataset& data, const DatasetColumn& column) {
@@ -52,7 +52,7 @@ std::vector<std::string> losses(const Problem& problem) {
     const bool is_output = std::ranges::find(outputs, symbol) != outputs.end();
     if (!is_output && !read.contains(symbol)) continue;
     if (const std::size_t count = lacking(data, column); count > 0)
-      result.push_back(symbol + " has no value in " + rows_text(count) +
+      result.push_back(symbol + " has no value in " + count_text(count) +
                        (is_output ? ": measure it, or name another output"
                                   : ": leave it out of the baseline, or measure it"));
   }
@@ -67,9 +67,9 @@ Result<void> check_rows_needed(const Problem& problem) {
   std::string why;
   for (const auto& loss : losses(problem)) why += (why.empty() ? "" : "; ") + loss;
   return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
-              "a diagnosis of this baseline needs " + rows_text(wanted) +
+              "a diagnosis of this baseline needs " + count_text(wanted) +
                   " to learn from, and finds " + std::to_string(found) + " in data of " +
-                  rows_text(problem.data().rows) + ": " +
+                  count_text(problem.data().rows) + ": " +
                   (why.empty() ? "measure more, or leave terms out of the baseline" : why));
 }
 
