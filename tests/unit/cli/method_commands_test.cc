@@ -34,6 +34,26 @@ TEST_F(CliTest, FitsARobotsOwnParametersToAFile) {
   EXPECT_THAT(page.out, HasSubstr("cannot be told apart from frame.z_mm"));
 }
 
+TEST_F(CliTest, AFitOfAFileWritesItsModelWithoutADaemon) {
+  std::string data = "q1_mm,x_mm\n";
+  for (int i = 0; i < 30; ++i) {
+    const double x = 0.1 * i, noise = 1e-6 * (i * 7 % 11);
+    data += std::to_string(1.0001 * x + noise) + "," + std::to_string(x) + "\n";
+  }
+  const auto table = file("line 1.csv", data);
+  server.reset();
+  const auto read_text = [](const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  };
+  const auto as_c = folder.path() + "/model.c", as_json = folder.path() + "/model.json";
+  EXPECT_EQ(run({"fit", table, "--model", "q ~ x", "-o", as_c, "--format", "c"}).exit, 0);
+  EXPECT_THAT(read_text(as_c), HasSubstr("int driftwise_model_line_1("));
+  EXPECT_EQ(run({"fit", table, "--model", "q ~ x", "-o", as_json}).exit, 0);
+  EXPECT_EQ(nlohmann::json::parse(read_text(as_json)).at("schema"), "driftwise.model.v1");
+}
+
 TEST_F(CliTest, PutsMethodsSideBySide) {
   const auto result =
       json({"model", "compare", kData, "--kinematics", kRobot, "--methods", "nominal,kinematic",

@@ -135,6 +135,8 @@ constexpr auto kExamples = std::to_array<Example>({
      "no selection, for a script"},
     {"fit", "driftwise fit monday.csv --validation tuesday.csv --model 'q ~ x + x^2 + T'",
      "judged on another day's file"},
+    {"fit", "driftwise fit data.csv --model 'q ~ x + x^2' -o model.c --format c",
+     "from a table to a function for a controller, without a daemon"},
     {"diagnose", "driftwise diagnose weekend.csv --baseline 'q1 ~ x + x^2 + T'",
      "what this simulation gets wrong in these data, and why"},
     {"diagnose", "driftwise diagnose --run 17", "of a run, from the model that serves; stored"},

@@ -1,8 +1,10 @@
 #include "clients/cli/commands/models/fit_command.h"
 
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 
 #include "clients/cli/commands/models/residuals_file.h"
@@ -14,8 +16,10 @@
 #include "server/effects/term_order.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/csv/set_names.h"
+#include "server/formats/export/model_c.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/model/fit_json.h"
+#include "server/formats/model/model_json.h"
 #include "server/formats/text/row_ranges.h"
 #include "server/identification/limits.h"
 #include "server/threads/threaded_executor.h"
@@ -138,6 +142,16 @@ std::vector<std::string> set_names_of(const Dataset& data, const FitOfFile& fit,
   }
   if (formats::named_sets(names).empty() || names.size() != data.rows) names.clear();
   return names;
+}
+
+// The model as `model export` writes it, the C functions named after the data's file.
+std::string exported(const calibration::Model& model, const std::string& format,
+                     const std::string& file) {
+  if (format == "json") return formats::write_model_json(model, 2) + "\n";
+  std::string name = std::filesystem::path(file).stem().string();
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  return value_or_throw(formats::write_model_c(model, name));
 }
 
 }  // namespace
@@ -275,6 +289,7 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
     offers = value_or_throw(calibration::weigh_offers(
         data, options, model, calibration::published_offers(data, options.candidates)));
   if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model));
+  if (!fit.output.empty()) write_output_file(fit.output, exported(model, fit.format, name));
   print_fit(console, fit, model, data, offers, std::nullopt);
   return ExitCode::done;
 }

@@ -29,7 +29,8 @@ struct FitOfFile {
   std::string exclude_rows;                 // of a file, counted from 1: "12,40-45"
   std::int64_t first_rows = 0;
   int blocks = 10;
-  std::string residuals;   // a file to write them to
+  std::string residuals;                // a file to write them to
+  std::string output, format = "json";  // a file for the model itself; json or c
   std::string validation;  // a file whose rows are the validation set: validation_file.h
   bool history = false;    // print the selection step by step
   bool offers = false;     // print what the published study's further terms would add

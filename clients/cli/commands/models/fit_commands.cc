@@ -35,6 +35,10 @@ void refuse_file_options(const FitOfFile& fit) {
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "--residuals works on a file only: driftwise data export RUN -o data.csv, then "
                   "driftwise fit data.csv"};
+  if (!fit.output.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "-o works on a file only: the daemon keeps the model of a run, and driftwise "
+                  "model export N -o FILE writes it"};
   if (!fit.validation.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "--validation works on a file only: rows of a run are validation where its "
@@ -136,6 +140,9 @@ ExitCode fit(const Session& session, FitArguments& a) {
                   "--method " + a.method +
                       " works on a file only: driftwise data export RUN -o data.csv, then "
                       "driftwise fit data.csv"};
+  if (a.method != "stepwise" && !a.fit.output.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "-o writes a model of terms: it goes with --method stepwise"};
   if (a.method != "stepwise") {
     MethodsOfFile methods = a.methods;
     methods.methods = {a.method};
@@ -180,6 +187,12 @@ void add_fit_command(CLI::App& app, Session& session) {
       ->allow_extra_args(false)
       ->check(positive_number());
   add_fit_options(command, a->fit);
+  command.add_option("-o,--output", a->fit.output,
+                     "write the model of a file to this file, without a daemon; else it is only "
+                     "printed");
+  command.add_option("--format", a->fit.format, "of that file: json, or c: one C99 function")
+      ->check(CLI::IsMember({"json", "c"}))
+      ->capture_default_str();
   command
       .add_option("--method", a->method,
                   "stepwise; kinematic: lengths and angles identified; of a file's fit also "
