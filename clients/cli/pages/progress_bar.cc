@@ -49,9 +49,9 @@ std::string progress_line(const v1::RunProgress& progress, double remaining_s, i
     more.push_back("ends " +
                    end_text(progress.estimated_end_time(), progress.earliest_end_time(),
                             progress.latest_end_time(), progress.remaining_band().share()) +
-                   " cell time");
+                   " UTC");
   else if (progress.has_estimated_end_time() && !held)
-    more.push_back("ends " + clock_text(progress.estimated_end_time()).substr(11) + " cell time");
+    more.push_back("ends " + clock_text(progress.estimated_end_time()).substr(11) + " UTC");
   if (progress.has_last_spread_nm())
     more.push_back("spread " + fixed(progress.last_spread_nm(), 1) + " nm");
   if (progress.has_last_closure_nm())

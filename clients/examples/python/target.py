@@ -38,8 +38,13 @@ def main():
         messages = generated(proto_folder, output)
         request = messages.ComputeTargetRequest()
         for pose in poses:
-            channel_name, value = pose.split("=")
-            request.pose.add(channel=channel_name, value=float(value))
+            channel_name, _, value = pose.partition("=")
+            try:
+                request.pose.add(channel=channel_name, value=float(value))
+            except ValueError:
+                print(f"found {pose}, expected a coordinate and a number with a decimal point, such as x_mm=0.5",
+                      file=sys.stderr)
+                return 2
         with grpc.insecure_channel(address) as channel:
             # Debian has no grpc_tools: the method by its name, with the generated classes' own serialisers.
             call = channel.unary_unary("/driftwise.v1.TargetService/ComputeTarget",

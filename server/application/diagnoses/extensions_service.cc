@@ -184,11 +184,13 @@ std::string numbers_of(const std::vector<int>& findings) {
   return fmt::format("finding{} {}", findings.size() == 1 ? "" : "s", fmt::join(findings, ", "));
 }
 
-std::string made_of(const ExtensionRecord& made) {
+// served: "which serves", or once it is undone "which served".
+std::string made_of(const ExtensionRecord& made, const char* served = "which serves") {
   std::string text;
   const auto say = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
   if (made.model)
-    say(fmt::format("model {}{}", made.model->value, made.promoted ? ", which serves" : ""));
+    say(fmt::format("model {}{}", made.model->value,
+                    made.promoted ? fmt::format(", {}", served) : ""));
   if (made.correction) say(fmt::format("correction {}", made.correction->value));
   for (const auto& out : made.excluded)
     say(fmt::format("{} rows of run {} kept out", out.rows.size(), out.run.value));
@@ -343,8 +345,9 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::undo(Caller caller, Diagno
     }
     co_return undone;
   }
-  auto detail = fmt::format("{} undid {} of diagnosis {}: {} no longer in force", caller.name,
-                            numbers_of(undone->findings), id.value, made_of(*undone));
+  auto detail =
+      fmt::format("{} undid {} of diagnosis {}: {} no longer in force", caller.name,
+                  numbers_of(undone->findings), id.value, made_of(*undone, "which served"));
   events_.record(caller, "extension.undone", std::move(detail), {},
                  {fmt::format("diagnosis {}", id.value), made_of(*undone), ""});
   if (rollback)

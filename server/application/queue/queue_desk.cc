@@ -241,7 +241,7 @@ Awaitable<Result<ConditionVerdict>> QueueDesk::look_at(std::string text) {
 Awaitable<void> QueueDesk::begin(QueueEntry entry, bool asked_for) {
   constexpr std::chrono::seconds kLease{60};
   const auto caller = in_the_name_of(entry);
-  const Caller holder{fmt::format("queue for {}", entry.created_by), caller.peer, {}};
+  const Caller holder{fmt::format("the queue for {}", entry.created_by), caller.peer, {}};
   auto lease = parts_.leases.take(holder, kLease, "", parts_.clock.now().utc);
   if (!lease) {
     refused_[entry.id] = lease.error().message;

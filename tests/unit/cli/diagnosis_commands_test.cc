@@ -193,6 +193,9 @@ TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
     auto& jobs = store.improvements();
     const auto id = jobs.add_improvement(record)->id;
     ASSERT_TRUE(jobs.put_turn(id, turn));
+    ImprovementTurn last;
+    last.number = 2;
+    ASSERT_TRUE(jobs.put_turn(id, last));
     ASSERT_TRUE(
         jobs.end_improvement(id, JobState::done, "nothing beyond noise is left", kWorldBegin));
   });
@@ -201,6 +204,7 @@ TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
   EXPECT_THAT(said.out, HasSubstr("improvement 1: done: nothing beyond noise is left"));
   EXPECT_THAT(said.out, HasSubstr("84.2"));
   EXPECT_THAT(said.out, HasSubstr("13.1"));
+  EXPECT_THAT(said.out, testing::ContainsRegex("\n +2 .* -  .* -\n")) << "a turn without figures";
   const auto as_json = json({"improve", "list"});
   EXPECT_EQ(as_json["improvements"][0]["turns"][0]["gains"][0]["measured"]["a90"], 13.1);
 }

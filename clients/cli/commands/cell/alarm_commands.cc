@@ -79,7 +79,7 @@ ExitCode acknowledge_alarm(const Session& session, std::int64_t id) {
   if (session.console.json)
     session.console.print_json(json_from(response.alarm()));
   else
-    session.console.out << "alarm " << id << " acknowledged; it " << standing_of(response.alarm())
+    session.console.out << "alarm " << id << " acknowledged: " << standing_of(response.alarm())
                         << '\n';
   return ExitCode::done;
 }

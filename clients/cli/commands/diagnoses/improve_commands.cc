@@ -60,7 +60,8 @@ void print_improvement(const Console& console, const v1::Improvement& improvemen
     std::string runs;
     for (const auto run : turn.run_ids()) runs += (runs.empty() ? "" : ", ") + std::to_string(run);
     const std::string model = turn.has_model_id() ? std::to_string(turn.model_id()) : "";
-    if (turn.gains().empty()) table.add({std::to_string(turn.number()), runs, model});
+    if (turn.gains().empty())
+      table.add({std::to_string(turn.number()), runs, model, "-", "-", "-", "-", "-", "-"});
     for (const auto& gain : turn.gains())
       table.add({std::to_string(turn.number()), runs, model,
                  gain.output() + " (" + gain.unit() + ")", fixed(gain.before().a90(), 1),

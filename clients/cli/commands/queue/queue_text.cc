@@ -58,7 +58,7 @@ void print_queue(const Console& console, const v1::ListQueueResponse& queue, boo
                {"rows", Align::right},
                {"run", Align::right},
                {"by"},
-               {over ? "ended (UTC)" : "ends (cell time)"},
+               {over ? "ended (UTC)" : "ends (UTC)"},
                {"metadata"},
                {over ? "what came of it" : "why it waits"}});
   for (const auto& entry : queue.entries()) {
@@ -110,7 +110,7 @@ void print_entry(const Console& console, const v1::QueueEntry& entry) {
   if (entry.has_estimated_duration() && !is_over(entry.state()))
     line("takes", span_text(seconds_of(entry.estimated_duration())) + " of cell time (" +
                       band_text(entry.estimated_band()) + ")");
-  if (entry.has_latest_end_time()) line("ends", ends(entry) + " cell time");
+  if (entry.has_latest_end_time()) line("ends", ends(entry) + " UTC");
   if (entry.has_run_id()) line("run", std::to_string(entry.run_id()));
   for (const auto& result : entry.results())
     line(result.good() ? "result" : "failed", result.follow_up() + ": " + result.text());

@@ -91,7 +91,7 @@ TEST(ProgressLine, StatesTheEndAsABand) {
   p.mutable_remaining_band()->set_share(0.8);
   EXPECT_EQ(progress_line(p, std::nan(""), 200),
             "run 3 moving [########............]  412/1008  40 %  ends Sun 07:06, 80 %: 06:46 to "
-            "Mon 07:06 cell time");
+            "Mon 07:06 UTC");
 }
 
 TEST(BandText, SaysWhatItRestsOn) {
