@@ -8,7 +8,7 @@ import { causeText, withCauses } from '@/views/diagnosis/causes';
 import { parameterTables } from '@/views/diagnosis/parameters';
 import { standing } from '@/views/diagnosis/improvement';
 import { headline, parameterText, parameterWords, sentenceCase, turnLines } from '@/views/diagnosis/words';
-import { servedBefore } from '@/views/models/actions';
+import { servedBefore } from '@/views/models/roll_back';
 import { contributionError, logScale } from '@/views/models/terms';
 
 const promoted = (modelId: bigint) => create(PromotionSchema, { modelId, action: Promotion_Action.PROMOTE });

@@ -1,6 +1,6 @@
 // What changes which model serves: asked once, with from and to; the stream confirms it.
-import type { Model, Promotion } from '@/api/gen/driftwise/v1/model_service_pb';
-import { ExportModelRequest_Format, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
+import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
+import { ExportModelRequest_Format } from '@/api/gen/driftwise/v1/model_service_pb';
 import { modelApi } from '@/api/model';
 import { cell } from '@/live/state';
 import { Button, CommandButton } from '@/ui/button';
@@ -10,7 +10,7 @@ import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { headingText } from './figures';
 
-const served = (id: bigint | undefined) => (id === undefined ? 'no model' : `model ${id}`);
+export const served = (id: bigint | undefined) => (id === undefined ? 'no model' : `model ${id}`);
 
 export function Promote({ model, questions = [], onDone }: { model: Model; questions?: readonly string[]; onDone: () => void }) {
   const command = useCommand(async () => {
@@ -38,45 +38,6 @@ export function Promote({ model, questions = [], onDone }: { model: Model; quest
     <>
       <CommandButton kind="main" busy={command.busy} off={model.serving ? 'It serves already' : undefined} onPress={ask}>Promote…</CommandButton>
       {command.failure && <Failed asked={`Promote model ${model.id}`} failure={command.failure} />}
-    </>
-  );
-}
-
-// Which model would serve after taking the newest promotion back: the history as a stack, newest first in the list.
-export function servedBefore(promotions: readonly Promotion[]): { now?: bigint; before?: bigint } {
-  const stack: bigint[] = [];
-  for (const one of [...promotions].reverse()) {
-    if (one.action === Promotion_Action.ROLLBACK) stack.pop();
-    else if (one.modelId !== undefined) stack.push(one.modelId);
-  }
-  return { now: stack.at(-1), before: stack.at(-2) };
-}
-
-export function RollBack({ promotions, onDone }: { promotions: readonly Promotion[]; onDone: () => void }) {
-  const command = useCommand(async () => {
-    await modelApi().rollBackModel({});
-    onDone();
-  });
-  const { now, before } = servedBefore(promotions);
-  const ask = async () => {
-    const yes = await confirm({
-      title: `Roll back from ${served(now)}?`,
-      facts: [
-        ['serves now', served(now)],
-        ['from then on', served(before)],
-        ['who is affected', 'every controller and run that asks for targets, from its next target on'],
-      ],
-      words: before === undefined ? 'No model served before: targets will be refused until one is promoted.' : undefined,
-      verb: `Serve ${served(before)}`,
-      keep: `Keep ${served(now)}`,
-      bad: before === undefined,
-    });
-    if (yes) await command.send();
-  };
-  return (
-    <>
-      <CommandButton busy={command.busy} off={now === undefined ? 'No model serves: there is none to take back' : undefined} onPress={ask}>Roll back…</CommandButton>
-      {command.failure && <Failed asked="Roll back" failure={command.failure} />}
     </>
   );
 }

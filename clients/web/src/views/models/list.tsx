@@ -13,9 +13,9 @@ import { Awaiting, Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
-import { RollBack } from './actions';
 import { sourceText } from './figures';
 import { FitForm } from './fit_form';
+import { RollBack } from './roll_back';
 import { Sections } from './sections';
 import { useModels } from './use_models';
 
