@@ -112,9 +112,9 @@ std::vector<double> ratios(const std::vector<CaseBSeed>& seeds, std::size_t mode
 std::string case_b_table(const std::vector<CaseBSeed>& seeds,
                          const std::vector<CaseBModel>& models) {
   std::string text =
-      "medians over the seeds: q1 q2 q3; U90 inside the forces, nm        | over the terms oracle, "
+      "medians over the seeds: q1 q2 q3; S90 inside the forces, nm        | over the terms oracle, "
       "over the robot oracle: median, within 1.15\n"
-      "                    U90               of it robot       instruments       terms\n";
+      "                    S90               of it robot       instruments       terms\n";
   for (std::size_t m = 0; m < models.size(); ++m) {
     char name[24];
     std::snprintf(name, sizeof name, "%-18s", models[m].name.c_str());

@@ -19,7 +19,7 @@ struct CaseBModel {
 // that of the base plate, which carries the axes. The last is what docs/fitting.md recommends.
 const std::vector<CaseBModel>& case_b_models();
 
-struct CaseBFigures {  // of one model, by axis; U90 on the validation grid inside the forces, nm
+struct CaseBFigures {  // of one model, by axis; S90 on the validation grid inside the forces, nm
   std::array<double, 3> u90{};
   // The same model's terms fitted to the robot alone and to the instruments' share alone. Least
   // squares is linear, so the errors of the two add up to the model's; their squares nearly so.
@@ -32,7 +32,7 @@ CaseBFigures case_b_figures(const CaseBCampaign& campaign, const CaseBModel& mod
 struct CaseBSeed {
   std::uint64_t seed = 0;
   std::vector<CaseBFigures> models;
-  std::array<double, 3> robot_oracle{}, terms_oracle{};  // U90, nm: case_b_oracle.h
+  std::array<double, 3> robot_oracle{}, terms_oracle{};  // S90, nm: case_b_oracle.h
 };
 CaseBSeed case_b_seed(std::uint64_t seed, const std::vector<CaseBModel>& models);
 
@@ -43,7 +43,7 @@ std::string case_b_table(const std::vector<CaseBSeed>& seeds,
 
 double median_of(std::vector<double> values);
 
-// U90 of a model over an oracle's, of every seed and axis.
+// S90 of a model over an oracle's, of every seed and axis.
 std::vector<double> ratios(const std::vector<CaseBSeed>& seeds, std::size_t model,
                            std::array<double, 3> CaseBSeed::*oracle);
 

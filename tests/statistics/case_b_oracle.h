@@ -9,7 +9,7 @@ namespace driftwise::statistics {
 
 // Knows the robot to the last digit: what the scales must read for every true pose, and the
 // Jacobian. It fits to the calibration rows only what the instruments add: 1, x, y, z, time, rx,
-// ry, rz. Nobody who has to find coefficients from the same rows can be expected to be as good. U90
+// ry, rz. Nobody who has to find coefficients from the same rows can be expected to be as good. S90
 // on the validation grid inside the forces, nm.
 double robot_oracle_u90_nm(const CaseBCampaign& campaign, std::size_t axis);
 

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   using namespace driftwise;
   using namespace driftwise::statistics;
   CLI::App app{
-      "The Micro-Nano in two datums some kelvins apart: U90 in a third, by the truth, nm.\n"
+      "The Micro-Nano in two datums some kelvins apart: S90 in a third, by the truth, nm.\n"
       "  two_datums --first-seed 5001 --seeds 10"};
   std::uint64_t first = 1;
   int seeds = 4;

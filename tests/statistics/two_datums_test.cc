@@ -24,7 +24,7 @@ calibration::Model fitted_to(const Dataset& data, bool move) {
 }
 
 TEST(TwoDatums, FitTogetherAsWellAsIfTheirZerosWereKnown) {
-  std::vector<double> by_constant, by_pose;  // U90 over that of knowing where the zeros lie
+  std::vector<double> by_constant, by_pose;  // S90 over that of knowing where the zeros lie
   for (int m = 0; m < kMachines; ++m) {
     const auto made = two_datums_case(kFirstMachine + static_cast<std::uint64_t>(m));
     const auto known = u90_in_third_datum(fitted_to(at_true_zeros(made), false), made);
@@ -40,7 +40,7 @@ TEST(TwoDatums, FitTogetherAsWellAsIfTheirZerosWereKnown) {
       EXPECT_NEAR(model.datum_zeros[0].pose[k].value, made.zeros[1].true_pose_mm[k], 2e-3);
     }
   }
-  std::printf("U90 over that of known zeros, medians: constant %.2f, moved %.2f\n",
+  std::printf("S90 over that of known zeros, medians: constant %.2f, moved %.2f\n",
               median_of(by_constant), median_of(by_pose));
   EXPECT_LT(median_of(by_pose), 1.15);
   EXPECT_GT(median_of(by_constant), 2);

@@ -10,7 +10,7 @@ namespace driftwise::cli {
 
 ErrorFigures figures_of(const v1::ErrorFigures& figures);
 
-// "42.0 nm (q1, validation rows, mean +24.3 nm, U90 12.8 nm)"; with before: "53.1 -> 42.0 nm
+// "42.0 nm (q1, validation rows, mean +24.3 nm, S90 12.8 nm)"; with before: "53.1 -> 42.0 nm
 // (...)".
 std::string accuracy_text(const v1::JudgedAccuracy& judged);
 

@@ -145,7 +145,7 @@ void print_accuracy(const Console& console, const v1::ModelOutput& output) {
   const std::string unit = " " + output.summary_unit();
   const auto line = [&](const char* rows, double mean, double u90, double a90) {
     console.out << "A90 " << fixed(a90, 2) << unit << " on " << rows << " (mean "
-                << signed_fixed(mean, 2) << ", U90 " << fixed(u90, 2) << ")";
+                << signed_fixed(mean, 2) << ", S90 " << fixed(u90, 2) << ")";
   };
   line("the calibration rows", a.mean_calibration(), a.u90_calibration(), a.a90_calibration());
   console.out << '\n';

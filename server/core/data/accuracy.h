@@ -2,7 +2,7 @@
 // The accuracy figures of a set of errors: the only place that computes them.
 //
 // mean: sum(e) / n.
-// U90: 1.645 x standard deviation about the mean (n - 1). The study's figure, always with its mean.
+// S90: 1.645 x standard deviation about the mean (n - 1), the study's U90; always with its mean.
 // A90: 1.645 x root mean square, sqrt(sum(e^2) / n), mean included. The accuracy that heads a page,
 // a verdict, a list, a promotion and a comparison.
 // A percentile of the rows themselves would be too noisy: of 40 rows it rests on four.
@@ -30,7 +30,7 @@ struct ErrorSums {
   ErrorSums operator-(const ErrorSums& other) const;
 };
 
-// U90 is 0 of fewer than two rows, all figures 0 of none.
+// S90 is 0 of fewer than two rows, all figures 0 of none.
 ErrorFigures error_figures(const ErrorSums& sums);
 // Rows without a finite value are left out. About their mean first: no loss of digits.
 ErrorFigures error_figures(std::span<const double> errors);
@@ -61,7 +61,7 @@ struct JudgedAccuracy {
 // of which nothing was held out.
 std::vector<JudgedAccuracy> heading_of(std::span<const JudgedAccuracy> judged);
 
-// "42.3 nm (q1, validation rows, mean +24.3 nm, U90 12.8 nm)"; with before "53 -> 42.3 nm (q1...".
+// "42.3 nm (q1, validation rows, mean +24.3 nm, S90 12.8 nm)"; with before "53 -> 42.3 nm (q1...".
 std::string accuracy_text(const JudgedAccuracy& accuracy);
 
 }  // namespace driftwise

@@ -65,7 +65,7 @@ std::string result_text(const Diagnosis& d, const JudgedAccuracy& heads) {
   text += "<b><span class=\"from\">" + figure_text(before.a90) + " \xE2\x86\x92 </span>" +
           figure_text(heads.figures.a90) + " <span class=\"unit\">" + unit +
           "</span></b><p class=\"note\">mean " + digits_text(before.mean, 3, true) +
-          " \xE2\x86\x92 " + digits_text(heads.figures.mean, 3, true) + ", U90 " +
+          " \xE2\x86\x92 " + digits_text(heads.figures.mean, 3, true) + ", S90 " +
           digits_text(before.u90) + " \xE2\x86\x92 " + digits_text(heads.figures.u90) + " " + unit +
           "<br>";
   const auto floor = std::ranges::find(d.outputs, heads.output, &OutputSummary::output);
@@ -131,7 +131,7 @@ std::string diagnosis_html(const Diagnosis& d, const Dataset& dataset, const Dia
   out += not_testable_section(d);
   out +=
       "<footer><p class=\"note\">A90 = 1.645 \xC3\x97 root mean square of the error, its mean "
-      "included; U90 = 1.645 \xC3\x97 standard deviation about the mean. Before and after: "
+      "included; S90 = 1.645 \xC3\x97 standard deviation about the mean. Before and after: "
       "measured minus simulated, in motor coordinates. Held out: rows that took no part in "
       "finding or fitting. p: adjusted for the search over causes and parameters.";
   if (d.extended_formula != d.baseline_formula)

@@ -72,10 +72,10 @@ std::string accuracy_lines(const calibration::OutputModel& output) {
   const auto figure = [&](double value) {
     return digits_text(value * summary.factor) + (*unit == '\0' ? "" : " ") + unit;
   };
-  // "A90 42.0 nm (mean +24.3 nm, U90 12.8 nm)"
+  // "A90 42.0 nm (mean +24.3 nm, S90 12.8 nm)"
   const auto judged = [&](double mean, double u90, double a90) {
     return "A90 " + figure(a90) + " (mean " + digits_text(mean * summary.factor, 3, true) + " " +
-           unit + ", U90 " + figure(u90) + ")";
+           unit + ", S90 " + figure(u90) + ")";
   };
   std::string text =
       "  RMSE " + figure(accuracy.rmse) + print(", %d degrees of freedom\n", output.dof) +

@@ -35,7 +35,7 @@ std::vector<PlantCase> instrument_cases();
 // where the baseline itself cannot be fitted and served.
 AcceptedOnPlant accepted_on_plant(const PlantCase& one, std::uint64_t seed, int nulls);
 
-// U90 after over U90 before of one output, geometric mean over plants (two or more), and the lower
+// S90 after over S90 before of one output, geometric mean over plants (two or more), and the lower
 // end of its 90 % interval by Student's t: above 1, it is harmed. A plant is one draw: its own
 // constant errors may hide a disturbance or add to it, so its rows are no further evidence.
 struct HarmRatio {

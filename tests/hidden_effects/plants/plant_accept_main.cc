@@ -22,7 +22,7 @@ int main(int count, char** arguments) {
   std::vector<std::string> harmed;
   std::vector<double> ratios;  // of plants with something accepted: all outputs together
   std::printf(
-      "| case | named, lengths corrected | U90 at the truth nm: as measured -> accepted (nothing "
+      "| case | named, lengths corrected | S90 at the truth nm: as measured -> accepted (nothing "
       "hidden) | after / before |\n|---|---|---|---|\n");
   for (const auto& one : hidden::instrument_cases()) {
     if (!one.name.starts_with(prefix)) continue;

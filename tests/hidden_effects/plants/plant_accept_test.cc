@@ -25,7 +25,7 @@ TEST_P(InstrumentsError, LeavesTheServedTargetUnharmed) {
       plants.push_back(accepted_on_plant(one, seed, 49));
     for (const auto& plant : plants)
       for (const auto& output : plant.outputs)
-        std::printf("%s %s: U90 at the truth %.1f -> %.1f nm, %.1f where nothing is hidden; %s\n",
+        std::printf("%s %s: S90 at the truth %.1f -> %.1f nm, %.1f where nothing is hidden; %s\n",
                     one.name.c_str(), output.output.c_str(), u90_at_truth(output.before_nm),
                     u90_at_truth(output.after_nm), u90_at_truth(output.nothing_hidden_nm),
                     plant.named.empty() ? "nothing named" : plant.named.c_str());

@@ -37,7 +37,7 @@ std::optional<calibration::Model> plain_fit(const Dataset& data, const std::stri
   return std::move(*model);
 }
 
-// U90 over the validation rows of the output that is worst, by plain least squares of these terms.
+// S90 over the validation rows of the output that is worst, by plain least squares of these terms.
 std::vector<double> validation_u90_nm(const Dataset& data, const std::string& formula) {
   const auto model = plain_fit(data, formula);
   std::vector<double> u90;

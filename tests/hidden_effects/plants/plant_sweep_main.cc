@@ -95,7 +95,7 @@ int main(int count, char** arguments) {
   CLI11_PARSE(app, count, arguments);
 
   std::printf(
-      "| case | hidden as | exact | exact or in set | wrong | to be found nm | U90 before, after, "
+      "| case | hidden as | exact | exact or in set | wrong | to be found nm | S90 before, after, "
       "known nm | named |\n|---|---|---|---|---|---|---|---|\n");
   for (auto one : hidden::plant_cases()) {
     if (!one.name.starts_with(options.prefix)) continue;

@@ -82,7 +82,7 @@ void expect_same(const json& script, const v1::JudgedAccuracy& shown) {
 // "42.3 nm (q2, validation rows, ...": as people read the script's figure.
 std::string in_words(const json& script, const std::string& rows) {
   return digits_text(script.at("a90")) + " nm (" + script.at("output").get<std::string>() + ", " +
-         rows + ", mean " + digits_text(script.at("mean"), 3, true) + " nm, U90 " +
+         rows + ", mean " + digits_text(script.at("mean"), 3, true) + " nm, S90 " +
          digits_text(script.at("u90")) + " nm)";
 }
 

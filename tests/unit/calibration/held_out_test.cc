@@ -105,7 +105,7 @@ TEST(HeldOut, RowsGiveTheFigures) {
   EXPECT_NEAR(on_blocks.a90 / *output.accuracy.a90_blocks, 1, 1e-12);
 }
 
-// A shift of all validation rows is in A90 and in the mean, and not in U90.
+// A shift of all validation rows is in A90 and in the mean, and not in S90.
 TEST(HeldOut, ValidationRowsThatAreShiftedWidenA90) {
   Dataset data = make_campaign({});
   const auto before = formats::fit_formula(data, kHeldOutFormula, {});

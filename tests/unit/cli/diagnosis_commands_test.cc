@@ -74,7 +74,7 @@ TEST_F(DiagnosisCommands, ShowWhatWasFound) {
   EXPECT_THAT(said.out, HasSubstr("1  thermal_lag t07"));
   EXPECT_THAT(said.out, HasSubstr("tau_s = 1830  (90 %: 1740 to 1925)"));
   EXPECT_THAT(said.out, HasSubstr("accuracy (A90), before -> after: 91.7 -> 12.7 nm (q1, the fit's "
-                                  "own rows, none held out, mean +1.5 nm, U90 12.4 nm)"));
+                                  "own rows, none held out, mean +1.5 nm, S90 12.4 nm)"));
   const auto as_json = json({"diagnosis", "show", "1"});
   EXPECT_EQ(as_json["schema"], "driftwise.diagnosis.v1");
   EXPECT_EQ(as_json["verdict"], "extended");

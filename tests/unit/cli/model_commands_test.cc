@@ -19,8 +19,8 @@ TEST_F(ModelCommandsTest, ShowsAPageToSign) {
   for (const char* line :
        {"Model 1  first\n", "formula     q ~ x + T\n",
         "data        runs 1: 560 rows calibration, 448 validation, 0 dropped\n", " UTC by ada\n",
-        "accuracy    A90 9.7 nm (q1, validation rows, mean +2 nm, U90 9.1 nm)\n",
-        "A90 9.70 nm on the validation rows (mean +2.00, U90 9.10)\n",
+        "accuracy    A90 9.7 nm (q1, validation rows, mean +2 nm, S90 9.1 nm)\n",
+        "A90 9.70 nm on the validation rows (mean +2.00, S90 9.10)\n",
         "q1_mm: coefficients in mm per unit of the term, 558 degrees of freedom; standard errors "
         "classical, and serial: allowing for rows that are not independent\n"})
     EXPECT_THAT(page.out, HasSubstr(line));
@@ -47,7 +47,7 @@ TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
   EXPECT_EQ(json({"model", "list"})["models"][1]["serving"], false);
   EXPECT_EQ(run({"model", "promote", "2", "--yes"}).out,
             "model 2 serves now: q ~ x\n"
-            "accuracy (A90) 9.7 nm (q1, validation rows, mean +2 nm, U90 9.1 nm)\n");
+            "accuracy (A90) 9.7 nm (q1, validation rows, mean +2 nm, S90 9.1 nm)\n");
   EXPECT_THAT(run({"model", "compare", "1", "2"}).out, HasSubstr("model 2*"));
   EXPECT_EQ(run({"model", "rollback", "--yes"}).out, "no model serves now\n");
   EXPECT_EQ(json({"model", "history"})["promotions"].size(), 2U);

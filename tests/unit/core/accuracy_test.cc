@@ -20,8 +20,8 @@ TEST(ErrorFigures, AreTheHandWorkedOnes) {
   EXPECT_DOUBLE_EQ(figures.a90, 1.645 * std::sqrt(50.0 / 4));
 }
 
-// Validation residuals of the Micro-Nano with mean +24.3 nm and s 7.8 nm: U90 alone says 13 nm.
-TEST(ErrorFigures, A90HoldsTheMeanThatU90LeavesOut) {
+// Validation residuals of the Micro-Nano with mean +24.3 nm and s 7.8 nm: S90 alone says 13 nm.
+TEST(ErrorFigures, A90HoldsTheMeanThatS90LeavesOut) {
   std::vector<double> errors;
   for (int i = 0; i < 40; ++i) errors.push_back(24.3 + (i % 2 == 0 ? 7.8 : -7.8));
   const auto figures = error_figures(errors);
@@ -79,7 +79,7 @@ TEST(AccuracyText, NamesTheFigureTheOutputAndTheRows) {
   JudgedAccuracy one = judged("q1", "nm", JudgedRows::validation, 42.04);
   one.figures.mean = 24.31;
   one.figures.u90 = 12.83;
-  EXPECT_EQ(accuracy_text(one), "42 nm (q1, validation rows, mean +24.3 nm, U90 12.8 nm)");
+  EXPECT_EQ(accuracy_text(one), "42 nm (q1, validation rows, mean +24.3 nm, S90 12.8 nm)");
 }
 
 TEST(QuantityText, HasThreeDigitsAndNoExponent) {

@@ -43,7 +43,7 @@ double median(std::vector<double> values) {
 }
 
 TEST(PlantCampaign, TenSensorsComeWithin15PercentOfALeastSquaresThatKnowsTheTruth) {
-  std::printf("U90 on validation, nm   published: geometry 206, 300 points 40, six 15, ten 9\n");
+  std::printf("S90 on validation, nm   published: geometry 206, 300 points 40, six 15, ten 9\n");
   std::printf("seed  geometry  300 points (p90)    six    ten  oracle  ten/oracle  rejected\n");
   std::vector<double> geometry, early, six, ten, oracle, ratio;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

@@ -109,7 +109,7 @@ TEST(MicroNanoFit, EverySourceOfInaccuracyCountsAndNothingElseIsLeft) {
       }
     }
   }
-  std::printf("U90 on validation, nm, median of %d seeds, q1 q2 q3; outside: force beyond range\n",
+  std::printf("S90 on validation, nm, median of %d seeds, q1 q2 q3; outside: force beyond range\n",
               kSeeds);
   std::array<std::array<double, 3>, kModels.size()> found{};
   for (std::size_t m = 0; m < kModels.size(); ++m) {

@@ -286,7 +286,7 @@ void print_sets(const Console& console, const identification::SetTable& sets) {
     const std::string unit = summary_unit(figure.output.unit).unit;
     columns.push_back({figure.output.symbol + " A90 " + unit, Align::right});
     columns.push_back({"mean", Align::right});
-    columns.push_back({"U90", Align::right});
+    columns.push_back({"S90", Align::right});
   }
   Table table(columns);
   for (std::size_t i = 0; i < sets.cells.size(); ++i) {

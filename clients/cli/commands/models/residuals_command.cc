@@ -89,7 +89,7 @@ void print_summary(const Console& console, const v1::ListResidualsResponse& resi
                {"count", Align::right},
                {"A90", Align::right},
                {"mean", Align::right},
-               {"U90", Align::right},
+               {"S90", Align::right},
                {"largest", Align::right},
                {"in row", Align::right}});
   for (const auto& output : residuals.outputs()) {

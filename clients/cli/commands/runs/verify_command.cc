@@ -44,7 +44,7 @@ void print_verified(const Console& console, const v1::VerifiedRun& verified) {
                {"count", Align::right},
                {"A90", Align::right},
                {"mean", Align::right},
-               {"U90", Align::right}});
+               {"S90", Align::right}});
   for (const auto& one : verified.coordinates()) {
     add_figures(table, one, "all", one.all());
     if (one.outside().row_count() > 0) {
@@ -71,7 +71,7 @@ void print_change(const Console& console, const v1::VerifiedChange& change) {
                {"run " + std::to_string(change.run_id()), Align::right},
                {"mean", Align::right},
                {"", Align::right},
-               {"U90", Align::right},
+               {"S90", Align::right},
                {"", Align::right}});
   for (const auto& one : change.coordinates()) {
     if (!one.has_before()) continue;

@@ -1,9 +1,9 @@
-// The accuracy that heads a page: one figure per unit, which output and rows it is of, its mean and U90, and what it was
+// The accuracy that heads a page: one figure per unit, which output and rows it is of, its mean and S90, and what it was
 // before on the same output and rows.
 import type { JudgedAccuracy } from '@/api/gen/driftwise/v1/accuracy_pb';
 import { significant } from '@/format/numbers';
 import { unitSign } from '@/format/units';
-import { A90 } from './explained';
+import { A90, S90 } from './explained';
 
 // Three significant digits, and no more decimals than that takes: "42", "12.8", "0.574".
 export const figure = (value: number | undefined): string => significant(value, 3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
@@ -19,11 +19,11 @@ const rowWords: Record<string, string> = {
 };
 export const rowsInWords = (rows: string): string => rowWords[rows] ?? rows;
 
-// "42 nm (q1, validation rows, mean +24.3 nm, U90 12.8 nm)", as the command line says it.
+// "42 nm (q1, validation rows, mean +24.3 nm, S90 12.8 nm)", as the command line says it.
 export function accuracyText(one: JudgedAccuracy): string {
   const unit = unitSign(one.unit);
   const before = one.before ? `${figure(one.before.a90)} → ` : '';
-  return `${before}${figure(one.figures?.a90)} ${unit} (${one.output}, ${rowsInWords(one.rows)}, mean ${meanFigure(one.figures?.mean)} ${unit}, U90 ${figure(one.figures?.u90)} ${unit})`;
+  return `${before}${figure(one.figures?.a90)} ${unit} (${one.output}, ${rowsInWords(one.rows)}, mean ${meanFigure(one.figures?.mean)} ${unit}, S90 ${figure(one.figures?.u90)} ${unit})`;
 }
 
 export function AccuracyHeading({ of }: { of: readonly JudgedAccuracy[] }) {
@@ -34,7 +34,7 @@ export function AccuracyHeading({ of }: { of: readonly JudgedAccuracy[] }) {
           <p class="muted">accuracy (<A90 />) of {one.output}, {rowsInWords(one.rows)}</p>
           <p class="result nowrap">{one.before && `${figure(one.before.a90)} → `}{figure(one.figures?.a90)} <span class="unit">{unitSign(one.unit)}</span></p>
           <p class="note muted">
-            mean {one.before && `${meanFigure(one.before.mean)} → `}{meanFigure(one.figures?.mean)}, U90 {one.before && `${figure(one.before.u90)} → `}{figure(one.figures?.u90)} {unitSign(one.unit)}
+            mean {one.before && `${meanFigure(one.before.mean)} → `}{meanFigure(one.figures?.mean)}, <S90 /> {one.before && `${figure(one.before.u90)} → `}{figure(one.figures?.u90)} {unitSign(one.unit)}
           </p>
         </div>
       ))}

@@ -15,7 +15,13 @@ export function Explained({ word, children }: { word: string; children: Componen
 
 export const U90 = () => (
   <Explained word="U90">
-    1.645 times the standard deviation of the error about its mean: the mean is not in it, and stands with it.
+    The uncertainty of this target for 90 %: 1.645 times its combined standard uncertainty u, every line of its budget included.
+  </Explained>
+);
+
+export const S90 = () => (
+  <Explained word="S90">
+    The scatter of the error: 1.645 times its standard deviation about its mean. The mean is not in it, and is printed with it. The thesis calls it U90.
   </Explained>
 );
 

@@ -17,8 +17,8 @@ describe('accuracy', () => {
     ...(before === undefined ? {} : { before: { mean: 1, u90: 53, a90: before, rowCount: 40n } }),
   });
   it('is said as the command line says it', () => {
-    expect(accuracyText(judged(42.04))).toBe('42 nm (q1, validation rows, mean +24.3 nm, U90 12.8 nm)');
-    expect(accuracyText(judged(42.04, 53.06))).toBe('53.1 → 42 nm (q1, validation rows, mean +24.3 nm, U90 12.8 nm)');
+    expect(accuracyText(judged(42.04))).toBe('42 nm (q1, validation rows, mean +24.3 nm, S90 12.8 nm)');
+    expect(accuracyText(judged(42.04, 53.06))).toBe('53.1 → 42 nm (q1, validation rows, mean +24.3 nm, S90 12.8 nm)');
   });
   it('has three digits at most', () => {
     expect([12.849, 9.999, 0.57449, 3, 0].map(figure)).toEqual(['12.8', '10', '0.574', '3', '0']);

@@ -56,7 +56,7 @@ function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
       <p class="row">
         {model.serving ? <Verdict kind="good">serves targets</Verdict> : <Verdict kind="idle">does not serve</Verdict>}
         <span class="muted">
-          from {sourceText(model)}: {count(model.lineage?.calibrationRowCount)} calibration, {count(model.lineage?.validationRowCount)} validation rows;
+          from {sourceText(model)}: {count(model.lineage?.calibrationRowCount)} calibration, {count(model.lineage?.validationRowCount)} validation rows;{' '}
           {model.accuracy.length > 0 ? `fitted in ${fixed((secondsOf(model.fitDuration) ?? 0) * 1000, 1)} ms` : 'imported, no data judged it'}, {dateClock(ms(model.createTime))}{model.createdBy && `, by ${model.createdBy}`}
         </span>
       </p>
@@ -105,13 +105,13 @@ function OutputTile({ output }: { output: ModelOutput }) {
     <section class="tile" aria-label={`Accuracy of ${outputSymbol(output)}`}>
       <p class="label">{outputSymbol(output)}, <A90 /> on {held?.from ?? 'the fit’s own rows'}</p>
       <p class="value">{figure(held?.value ?? accuracy?.a90Calibration)} <span class="unit">{unit}</span></p>
-      {accuracy?.a90Validation !== undefined && <p class="note muted">validation {figure(accuracy.a90Validation)} (mean {meanFigure(accuracy.meanValidation)}, U90 {figure(accuracy.u90Validation)}) {unit}</p>}
+      {accuracy?.a90Validation !== undefined && <p class="note muted">validation {figure(accuracy.a90Validation)} (mean {meanFigure(accuracy.meanValidation)}, S90 {figure(accuracy.u90Validation)}) {unit}</p>}
       {accuracy?.validationSets.map((set) => (
-        <p class="note muted" key={set.name}>of them {set.name}, {`${set.figures?.rowCount}`} rows {figure(set.figures?.a90)} (mean {meanFigure(set.figures?.mean)}, U90 {figure(set.figures?.u90)}) {unit}</p>
+        <p class="note muted" key={set.name}>of them {set.name}, {`${set.figures?.rowCount}`} rows {figure(set.figures?.a90)} (mean {meanFigure(set.figures?.mean)}, S90 {figure(set.figures?.u90)}) {unit}</p>
       ))}
       {accuracy?.a90Blocks !== undefined && (
         <p class="note muted">
-          held-out blocks {figure(accuracy.a90Blocks)} (mean {meanFigure(accuracy.meanBlocks)}, U90 {figure(accuracy.u90Blocks)}; 90 %: {figure(accuracy.a90BlocksLow)} to {figure(accuracy.a90BlocksHigh)}) {unit}
+          held-out blocks {figure(accuracy.a90Blocks)} (mean {meanFigure(accuracy.meanBlocks)}, S90 {figure(accuracy.u90Blocks)}; 90 %: {figure(accuracy.a90BlocksLow)} to {figure(accuracy.a90BlocksHigh)}) {unit}
         </p>
       )}
       <p class="note muted">calibration {figure(accuracy?.a90Calibration)} (mean {meanFigure(accuracy?.meanCalibration)}) {unit}</p>
