@@ -8,6 +8,9 @@ import { completionAt, take, type Completion, type Known } from './complete';
 import { useFormulaCheck, type FormulaData, type FormulaState } from './use_check';
 import './formula.css';
 
+// "q ~ " is no mistake yet: nobody has typed what the outputs depend on.
+const isBegun = (text: string) => text.replace(/^[^~]*~/, '').trim() !== '';
+
 const none = -1; // no offer is chosen: Tab and Enter leave the text as it is
 const nothing: Known = { channels: [], effects: [] };
 
@@ -74,7 +77,7 @@ export function FormulaField({ label, value, onInput, data, onEnter, children }:
       onEnter();
     }
   };
-  const wrong = state.of === value && state.check?.problem ? state.check.problem : undefined;
+  const wrong = isBegun(value) && state.of === value && state.check?.problem ? state.check.problem : undefined;
   return (
     <div class="field formula">
       <label for={id}>{label}</label>
@@ -128,7 +131,7 @@ function Says({ state, text, data }: { state: FormulaState; text: string; data: 
   if (state.failure) return <p class="note wrong"><Mark kind="bad" /> {state.failure.message}</p>;
   const check = state.check;
   if (!check || (state.waiting && state.of !== text)) return <p class="note muted">Checking …</p>;
-  if (text.trim() === '') return <p class="note muted">For example q ~ poly(x, y, z, 3) + F + T; press ↓ for what could follow.</p>;
+  if (!isBegun(text)) return <p class="note muted">For example q ~ x + x^2 + R; press ↓ for what could follow.</p>;
   if (check.problem) return <pre class="note formula-problem"><Mark kind="bad" /> {check.problem}</pre>;
   const full = check.rank === check.columnCount;
   return (

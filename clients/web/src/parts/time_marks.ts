@@ -4,12 +4,12 @@ import type { TimeMark } from '@/plot/marks';
 
 export interface Happened {
   atMs: number;
-  what: string; // as in the record: "run.paused"
+  what: string; // as in the record: "run.pause"
   detail: string;
 }
 
 const kinds: Record<string, PlotMark['kind']> = {
-  stop: 'stop', 'run.paused': 'stop', 'run.waiting': 'stop', 'run.resumed': 'restart', 'run.restarted': 'restart', 'daemon.started': 'restart',
+  stop: 'stop', 'run.pause': 'stop', 'hold.begun': 'stop', 'run.resume': 'restart', 'run.resumed': 'restart', 'hold.ended': 'restart', 'run.restarted': 'restart', 'daemon.started': 'restart',
 };
 export const isMarked = (what: string): boolean => what in kinds;
 

@@ -12,7 +12,7 @@ export interface StoryLine {
 // Events of the record that tell the story; alarms are told by their own list.
 const told: Record<string, VerdictKind> = {
   'hold.begun': 'warn', 'hold.ended': 'good', 'hold.set_aside': 'warn', 'hold.in_force': 'idle', 'hold.ends_daemon': 'bad',
-  'run.paused': 'warn', 'run.waiting': 'warn', 'run.resumed': 'good', 'run.restarted': 'warn', 'run.failed': 'bad', 'run.trouble': 'bad',
+  'run.pause': 'warn', 'run.resume': 'good', 'run.resumed': 'good', 'run.abort': 'bad', 'run.restarted': 'warn', 'run.failed': 'bad', 'run.trouble': 'bad',
   'queue.held': 'warn', 'queue.released': 'good', 'queue.failed': 'bad', 'queue.set_aside': 'bad', 'queue.follow_up_failed': 'bad',
   'stop.pending': 'bad', 'stop.confirmed': 'warn', 'stop.unconfirmed': 'bad',
   'daemon.started': 'idle', 'daemon.stopping': 'idle', 'daemon.paused': 'warn', 'clock.stepped': 'warn',

@@ -1,6 +1,7 @@
-// A button acts on release. One that is off stays readable and focusable and says why (`off`), instead of going grey.
+// A button acts on release. One that is off stays readable and focusable instead of going grey, and says why (`off`): to a
+// screen reader, under the pointer, and to everybody once it is pressed.
 import type { ComponentChildren } from 'preact';
-import { useId } from 'preact/hooks';
+import { useId, useState } from 'preact/hooks';
 import { commandsOff } from '@/live/commands_off';
 
 export function Button({ kind = 'plain', off, busy, onPress, children, label, submit, small }: {
@@ -14,6 +15,7 @@ export function Button({ kind = 'plain', off, busy, onPress, children, label, su
   small?: boolean;
 }) {
   const id = useId();
+  const [pressedOff, setPressedOff] = useState(false);
   const unusable = off !== undefined || busy === true;
   return (
     <span class="button-box">
@@ -28,11 +30,12 @@ export function Button({ kind = 'plain', off, busy, onPress, children, label, su
         onClick={(event) => {
           if (unusable) event.preventDefault();
           else onPress?.();
+          setPressedOff(off !== undefined);
         }}
       >
         {children}
       </button>
-      {off && <span class="sr-only" id={id}>{off}</span>}
+      {off && <span class={pressedOff ? 'button-off note' : 'sr-only'} id={id}>{off}</span>}
     </span>
   );
 }

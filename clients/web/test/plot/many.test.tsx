@@ -80,7 +80,7 @@ describe('marks over time', () => {
   });
   it('are in the plots of a report, from its points and its record', () => {
     const written = sampleReport();
-    written.events.push({ time: '2026-11-20T18:00:00Z', who: 'anna', what: 'run.paused', detail: 'anna paused run 17' }, { time: '2026-11-20T18:10:00Z', who: 'anna', what: 'run.resumed', detail: 'anna resumed run 17' });
+    written.events.push({ time: '2026-11-20T18:00:00Z', who: 'anna', what: 'run.pause', detail: 'anna paused run 17' }, { time: '2026-11-20T18:10:00Z', who: 'anna', what: 'run.resume', detail: 'anna resumed run 17' });
     render(<ReportPage report={readReport(JSON.stringify(written))} />);
     const plots = document.querySelectorAll('figure.plot').length;
     expect(plots).toBe(4);

@@ -19,10 +19,10 @@ const Shown = () => <ul>{useContext(RowMarks).map((mark) => <li>{mark.kind} at {
 
 it('marks stops and restarts at their hours since the first row', async () => {
   const events = [
-    { id: 1n, what: 'run.paused', detail: 'anna paused', minute: 90, runId: 17n },
+    { id: 1n, what: 'run.pause', detail: 'anna paused', minute: 90, runId: 17n },
     { id: 2n, what: 'run.restarted', detail: 'went on', minute: 120, runId: 18n },
     { id: 3n, what: 'stop', detail: 'long before', minute: -500 },
-    { id: 4n, what: 'run.paused', detail: 'another run', minute: 100, runId: 16n },
+    { id: 4n, what: 'run.pause', detail: 'another run', minute: 100, runId: 16n },
   ];
   useTransport(createRouterTransport(({ service }) => {
     service(CellService, { listEvents: () => ({ events: events.map(({ minute, ...event }) => ({ ...event, who: 'Anna', peer: '', eventTime: at(minute) })) }) });

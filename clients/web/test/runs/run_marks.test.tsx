@@ -33,12 +33,12 @@ it('marks force, stops and restarts, and leaves out other runs and what was befo
   render(<RunMarks run={fakeRun} points={{ points, attempts: [] }}><Shown /></RunMarks>);
   await screen.findByText('force: force 0 to 0.768 N');
   await vi.waitFor(() => {
-    happens(900n, 'run.paused', 'anna paused', 30, 17n);
+    happens(900n, 'run.pause', 'anna paused', 30, 17n);
     expect(screen.getByText('stop: anna paused')).toBeTruthy(); // what comes before the list was answered is in the list
   }, { timeout: 15_000 });
   happens(901n, 'stop', 'Anna stopped everything', 31);
   happens(902n, 'run.restarted', 'went on', 32, 17n);
-  happens(903n, 'run.paused', 'another run', 33, 16n);
+  happens(903n, 'run.pause', 'another run', 33, 16n);
   happens(904n, 'stop', 'before it began', -5);
   await screen.findByText('restart: went on');
   expect(screen.getAllByRole('listitem').map((one) => one.textContent)).toEqual(

@@ -47,7 +47,8 @@ describe('a diagnosis', () => {
     const heading = document.querySelector('.accuracy-heading')!;
     expect(heading.textContent).toContain('of q1, validation rows');
     expect(heading.textContent).toContain('164 → 43 nm');
-    expect(heading.textContent).toContain('mean +22 → −9, U90 160 → 40 nm');
+    expect(heading.textContent).toContain('mean +22 → −9, S90');
+    expect(heading.textContent).toContain('160 → 40 nm');
     const first = screen.getByRole('heading', { name: /1\. The robot follows thermometer t07/ }).closest('section')!;
     expect(within(first).getByText('1740 to 1925 s')).toBeTruthy();
     expect(within(first).getByText('lag(t07, 1830 s)')).toBeTruthy();
@@ -116,9 +117,28 @@ describe('models', () => {
     render(<Models />); // a reload
     expect(((await screen.findByRole('combobox', { name: 'Formula' })) as HTMLInputElement).value).toBe('q ~ x + to7');
   });
+  it('calls a formula that nobody has begun no mistake', async () => {
+    useTransport(fakeDaemon({ problem: () => 'formula: found the end, expected a channel' }));
+    show('/models', Models);
+    const field = await screen.findByRole('combobox', { name: 'Formula' });
+    await screen.findByText(/^For example q ~ x/);
+    expect(field.getAttribute('aria-invalid')).toBeNull();
+    fireEvent.input(field, { target: { value: 'q ~ x +' } });
+    await screen.findByText(/found the end/);
+    expect(field.getAttribute('aria-invalid')).toBe('true');
+  });
+  it('says why a button is off, once it is pressed', async () => {
+    show('/models', Models);
+    const compare = await screen.findByRole('button', { name: 'Compare the two marked' });
+    const why = screen.getByText('Mark two models in the list first');
+    expect(why.classList.contains('sr-only')).toBe(true);
+    fireEvent.click(compare);
+    await vi.waitFor(() => expect(why.classList.contains('sr-only')).toBe(false));
+  });
   it('completes by keyboard alone', async () => {
     show('/models', Models);
     const field = (await screen.findByRole('combobox', { name: 'Formula' })) as HTMLInputElement;
+    fireEvent.input(field, { target: { value: 'q ~ x' } });
     await screen.findByText(/rank 16 of 17/);
     field.value = 'q ~ x + la';
     field.setSelectionRange(10, 10);

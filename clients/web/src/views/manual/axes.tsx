@@ -22,6 +22,9 @@ import { JogButton } from './jog_button';
 const stepsMm = [0.0001, 0.001, 0.01, 0.1, 1];
 const stepText = (mm: number) => (mm < 0.001 ? `${mm * 1e6} nm` : mm < 1 ? `${mm * 1e3} µm` : `${mm} mm`);
 
+// A limit as the cell file has it: no digits made up.
+const limit = (mm: number) => fixed(mm, Math.min(6, (String(mm).split('.')[1] ?? '').length));
+
 const standing = () => {
   const run = progress.value?.run;
   return run?.state === Run_State.PAUSED || run?.state === Run_State.WAITING ? run : undefined;
@@ -71,7 +74,8 @@ export function Axes() {
     <Panel title="Axes" actions={<CommandButton busy={home.busy} off={offWhy()} onPress={() => void home.send()}>Home…</CommandButton>}>
       {axes.length === 0 && <Empty>This cell has no axes.</Empty>}
       {needsAnswer && <CommandButton onPress={() => void agree()}>Run {String(run.id)} stands: may the axes move?…</CommandButton>}
-      <label class="field">
+      {off && <p class="note" role="status">{off}</p>}
+      <label class="field jog-step">
         <span>Step</span>
         <select class="input" value={String(stepMm)} onChange={(event) => setStepMm(Number(event.currentTarget.value))}>
           {stepsMm.map((mm) => <option key={mm} value={String(mm)}>{stepText(mm)}</option>)}
@@ -84,7 +88,7 @@ export function Axes() {
             <b>{axis.channel.replace(/_mm$/, '')}</b>
             <span class="number">{fixed(at, 6)} mm</span>
             <meter min={axis.minMm} max={axis.maxMm} value={Number.isFinite(at) ? at : axis.minMm} aria-label={`${axis.channel} between ${axis.minMm} and ${axis.maxMm} mm`} />
-            <span class="muted nowrap">{axis.minMm} to {axis.maxMm} mm</span>
+            <span class="muted nowrap">{limit(axis.minMm)} to {limit(axis.maxMm)} mm</span>
             <JogButton label={`Hold to move ${axis.channel} down`} text={`− ${stepText(stepMm)}`} off={off} press={() => void press(axis, -1)} release={() => held.current?.release()} />
             <JogButton label={`Hold to move ${axis.channel} up`} text={`+ ${stepText(stepMm)}`} off={off} press={() => void press(axis, 1)} release={() => held.current?.release()} />
           </div>

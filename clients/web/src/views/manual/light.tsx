@@ -1,13 +1,14 @@
 // Light level and spots of the optical instruments, live, with the most seen since the page was opened.
 import { useEffect, useState } from 'preact/hooks';
 import { fixed } from '@/format/numbers';
+import { splitChannel, unitSign } from '@/format/units';
 import { layout, type Channel } from '@/live/channels';
 import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
 import { Empty } from '@/ui/states';
 import { Table } from '@/ui/table';
 
-const unitOf = (name: string) => name.slice(name.lastIndexOf('_') + 1);
+const unitOf = (name: string) => unitSign(splitChannel(name).unit);
 const isOptical = ({ name }: Channel) => name.includes('level_pct') || name.endsWith('_arcsec') || (name.endsWith('_mm') && !/^q\d/.test(name));
 const digitsOf = (name: string) => (name.endsWith('_mm') ? 6 : name.endsWith('_pct') ? 1 : 2);
 const sizeOf = (name: string, value: number) => (name.endsWith('_pct') ? value : Math.abs(value));
@@ -30,7 +31,7 @@ export function Light() {
           keyOf={(one) => one.name}
           columns={[
             { title: 'instrument', of: (one) => one.column.deviceId },
-            { title: 'channel', of: (one) => one.name },
+            { title: 'channel', of: (one) => splitChannel(one.name).symbol },
             { title: 'now', number: true, of: (one) => <span class={one.stale.value ? 'muted' : ''}>{fixed(one.value.value, digitsOf(one.name))} {unitOf(one.name)}</span> },
             { title: 'most seen', number: true, of: (one) => `${fixed(most[one.name], digitsOf(one.name))} ${unitOf(one.name)}` },
           ]}

@@ -53,10 +53,12 @@ function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => vo
   return (
     <li class={classOf(alarm)}>
       <Words alarm={alarm} />
-      {!alarm.acknowledgeTime && (
-        <CommandButton busy={acknowledge.busy} onPress={() => void acknowledge.send()} label={`Acknowledge: ${alarm.message}`}>Acknowledge</CommandButton>
-      )}
-      <Shelve alarm={alarm} taken={taken} />
+      <div class="alarm-answers">
+        {!alarm.acknowledgeTime && (
+          <CommandButton busy={acknowledge.busy} onPress={() => void acknowledge.send()} label={`Acknowledge: ${alarm.message}`}>Acknowledge</CommandButton>
+        )}
+        <Shelve alarm={alarm} taken={taken} />
+      </div>
       {acknowledge.failure && <Failed asked="Acknowledge" failure={acknowledge.failure} />}
     </li>
   );

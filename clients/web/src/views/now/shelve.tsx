@@ -22,7 +22,7 @@ function ShelveForm({ alarm, taken, close }: { alarm: Alarm; taken: (alarm: Alar
   });
   const off = !good ? `Between 0 and ${mostHours} hours` : reason.trim() ? undefined : 'Say why';
   return (
-    <div class="alarm-hence actions">
+    <div class="actions">
       <Field label="Shelve for" unit="h" type="number" value={hours} onInput={setHours} wrong={good ? undefined : `Above 0, at most ${mostHours}`} />
       <Field label="Reason" value={reason} onInput={setReason} hint="stands in the record" />
       <CommandButton small busy={shelve.busy} off={off} onPress={() => void shelve.send()}>Shelve</CommandButton>
@@ -46,5 +46,5 @@ export function Shelve({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) =
       </>
     );
   if (open) return <ShelveForm alarm={alarm} taken={taken} close={() => setOpen(false)} />;
-  return <Button small onPress={() => setOpen(true)} label={`Shelve: ${alarm.message}`}>Shelve…</Button>;
+  return <Button onPress={() => setOpen(true)} label={`Shelve: ${alarm.message}`}>Shelve…</Button>;
 }

@@ -2,7 +2,8 @@
 import { api } from '@/api/client';
 import { Closure_Decision, type Closure, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { fixed, signed } from '@/format/numbers';
-import { ms, utc } from '@/format/time';
+import { dateClock, ms } from '@/format/time';
+import { splitChannel, unitSign } from '@/format/units';
 import { useEvents } from '@/live/events';
 import { Panel } from '@/ui/panel';
 import { Failed } from '@/ui/states';
@@ -39,9 +40,10 @@ export function Closures({ run }: { run: Run }) {
         page={50}
         columns={[
           { title: 'line', number: true, of: ({ closure }) => `${closure.line}${closure.repetition ? ', again' : ''}` },
-          { title: 'measured (UTC)', of: ({ closure }) => utc(ms(closure.measureTime) ?? NaN) },
-          { title: 'coordinate', of: ({ closure, place }) => closure.coordinates[place].channel },
-          { title: 'found', number: true, of: ({ closure, place }) => `${figure(closure.coordinates[place].unit, closure.coordinates[place].found)} ${closure.coordinates[place].unit}` },
+          { title: 'measured', of: ({ closure }) => <span class="nowrap">{dateClock(ms(closure.measureTime))}</span> },
+          { title: 'coordinate', of: ({ closure, place }) => splitChannel(closure.coordinates[place].channel).symbol },
+          { title: 'in', of: ({ closure, place }) => unitSign(closure.coordinates[place].unit) },
+          { title: 'found', number: true, of: ({ closure, place }) => figure(closure.coordinates[place].unit, closure.coordinates[place].found) },
           { title: 'limit', number: true, of: ({ closure, place }) => figure(closure.coordinates[place].unit, closure.coordinates[place].limit, false) },
           { title: 'expected', number: true, of: ({ closure, place }) => figure(closure.coordinates[place].unit, closure.coordinates[place].expected) },
           { title: 'play', number: true, of: ({ closure, place }) => figure(closure.coordinates[place].unit, closure.coordinates[place].play) },
