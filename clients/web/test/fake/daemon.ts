@@ -51,6 +51,7 @@ export interface FakeWishes {
   released?: () => void; // the queue was
   lostAt?: number; // contacts after which the client of the indentation was lost
   promoted?: (plan: bigint) => void; // a serving plan was
+  planRolledBack?: () => void; // the serving plan was
   endless?: (ended: boolean) => void; // studies never end; called when one begins, and when its client left
 }
 
@@ -81,7 +82,8 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
     });
     service(PlanService, {
       listPlans: () => ({ plans: [{ id: 1n, name: 'joint', version: 1, createdBy: 'anna', createTime: at(2), serves: true, modelIds: [10n, 11n, 12n] }, { id: 2n, name: 'joint', version: 2, createdBy: 'anna', createTime: at(3), modelIds: [10n, 12n] }] }),
-      getPlan: (request) => ({ plan: { id: request.planId, name: 'joint', version: Number(request.planId) }, text: 'name = "joint"\n', steps: ['model 13 predicts parasitic motion of ma; it adds ma.x_mm to mn.x_mm'] }),
+      getPlan: (request) => ({ plan: { id: request.planId, name: 'joint', version: Number(request.planId) }, text: 'name = "joint"\n', steps: ['model 13 predicts parasitic motion of ma; it adds ma.x_mm to mn.x_mm'], promotions: [{ planId: 1n, promoteTime: at(3), promotedBy: 'anna' }] }),
+      rollBackPlan: () => (wishes.planRolledBack?.(), {}),
       checkPlan: (request) => (request.planId === 2n
         ? { findings: [{ refuses: true, reason: 'MODELS_DISAGREE', message: 'the two models differ by 57.6 um' }], bands: [{ robot: 'ma', largestDifferenceNm: 57600, largestChannel: 'ma.q2_mm', differenceArcsec: 200, rateShare: 7.5 }] }
         : { findings: [] }),

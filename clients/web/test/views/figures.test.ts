@@ -1,23 +1,23 @@
 import { describe, expect, it } from 'vitest';
 import { create } from '@bufbuild/protobuf';
-import { PromotionSchema, Promotion_Action, ModelTermSchema } from '@/api/gen/driftwise/v1/model_service_pb';
+import { ModelTermSchema } from '@/api/gen/driftwise/v1/model_service_pb';
 import { FindingSchema } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { residualSpecs } from '@/plot/residual_specs';
 import { forceText, trajectoryRows } from '@/trajectory/parse';
 import { causeText, withCauses } from '@/views/diagnosis/causes';
+import { servedBefore } from '@/parts/served';
 import { parameterTables } from '@/views/diagnosis/parameters';
 import { standing } from '@/views/diagnosis/improvement';
 import { headline, parameterText, parameterWords, sentenceCase, turnLines } from '@/views/diagnosis/words';
-import { servedBefore } from '@/views/models/roll_back';
 import { contributionError, logScale } from '@/views/models/terms';
 
-const promoted = (modelId: bigint) => create(PromotionSchema, { modelId, action: Promotion_Action.PROMOTE });
-const back = create(PromotionSchema, { action: Promotion_Action.ROLLBACK });
+const promoted = (id: bigint) => ({ id, rollback: false });
+const back = { rollback: true };
 
 describe('which model served before', () => {
-  it('counts promotions and rollbacks as a stack, newest first in the list', () => {
-    expect(servedBefore([promoted(3n), back, promoted(2n), promoted(1n)])).toEqual({ now: 3n, before: 1n });
-    expect(servedBefore([back, promoted(1n)])).toEqual({ now: undefined, before: undefined });
+  it('counts promotions and rollbacks as a stack', () => {
+    expect(servedBefore([promoted(1n), promoted(2n), back, promoted(3n)])).toEqual({ now: 3n, before: 1n });
+    expect(servedBefore([promoted(1n), back])).toEqual({ now: undefined, before: undefined });
   });
 });
 

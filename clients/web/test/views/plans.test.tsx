@@ -42,8 +42,19 @@ describe('serving plans', () => {
   it('promotes a plan that stands, after asking', async () => {
     render(<><Plans /><ConfirmDialog /></>);
     fireEvent.click(await screen.findByRole('button', { name: 'Promote…' }));
-    fireEvent.click(await screen.findByText('Promote it'));
+    expect(await screen.findByText('everybody who asks for joint targets, from the next target on')).toBeTruthy();
+    fireEvent.click(screen.getByText('Promote plan 1'));
     await vi.waitFor(() => expect(promoted).toHaveBeenCalledWith(1n));
+  });
+  it('says before a rollback that no plan would serve', async () => {
+    const planRolledBack = vi.fn();
+    useTransport(fakeDaemon({ planRolledBack }));
+    render(<><Plans /><ConfirmDialog /></>);
+    fireEvent.click(await screen.findByRole('button', { name: 'Roll back…' }));
+    expect(await screen.findByText(/No plan served before it: joint targets are refused/)).toBeTruthy();
+    expect(planRolledBack).not.toHaveBeenCalled();
+    fireEvent.click(screen.getByText('Serve no plan'));
+    await vi.waitFor(() => expect(planRolledBack).toHaveBeenCalledOnce());
   });
   it('asks for a joint target and shows terms and models', async () => {
     render(<Plans />);

@@ -5,6 +5,7 @@ import { failureOf } from '@/api/errors';
 import type { CheckModelResponse, Promotion } from '@/api/gen/driftwise/v1/model_service_pb';
 import { CheckModelResponse_Verdict, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
 import { modelApi } from '@/api/model';
+import { servedBefore } from '@/parts/served';
 import { CommandButton } from '@/ui/button';
 import { confirm, type Question } from '@/ui/confirm';
 import { Failed } from '@/ui/states';
@@ -12,15 +13,7 @@ import { useCommand } from '@/ui/use_command';
 import { served } from './actions';
 import { headingText } from './figures';
 
-// Which model would serve after taking the newest promotion back: the history as a stack, newest first in the list.
-export function servedBefore(promotions: readonly Promotion[]): { now?: bigint; before?: bigint } {
-  const stack: bigint[] = [];
-  for (const one of [...promotions].reverse()) {
-    if (one.action === Promotion_Action.ROLLBACK) stack.pop();
-    else if (one.modelId !== undefined) stack.push(one.modelId);
-  }
-  return { now: stack.at(-1), before: stack.at(-2) };
-}
+const servedOf = (oldestFirst: readonly Promotion[]) => servedBefore(oldestFirst.map((one) => ({ id: one.modelId, rollback: one.action === Promotion_Action.ROLLBACK })));
 
 // What the runs since it was made say against it; undefined: they agree with it.
 export function doubtAbout(id: bigint, check: Pick<CheckModelResponse, 'verdict' | 'reasons'>): string | undefined {
@@ -68,11 +61,12 @@ async function rollBack() {
   await modelApi().rollBackModel({});
 }
 
-const history = async () => servedBefore([...(await modelApi().listPromotions({})).promotions].reverse());
+const history = async () => servedOf((await modelApi().listPromotions({})).promotions);
 
+// promotions: newest first, as the list shows them.
 export function RollBack({ promotions, onDone }: { promotions: readonly Promotion[]; onDone: () => void }) {
   const command = useCommand(() => rollBack().finally(onDone));
-  const off = servedBefore(promotions).now === undefined ? 'No model serves: there is none to take back' : undefined;
+  const off = servedOf([...promotions].reverse()).now === undefined ? 'No model serves: there is none to take back' : undefined;
   return (
     <>
       <CommandButton busy={command.busy} off={off} onPress={() => command.send()}>Roll back…</CommandButton>

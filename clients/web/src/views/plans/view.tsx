@@ -15,6 +15,7 @@ import { useTyped } from '@/ui/use_typed';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { plansApi } from './api';
+import { changedMeanwhile, planHistory, promotionQuestion, questionsOf, rollBackQuestion } from './questions';
 import { answeredBy, jointPoseTyped } from './words';
 
 export default function PlansView() {
@@ -39,8 +40,11 @@ function Shown({ list, again }: { list: ListPlansResponse; again: () => void }) 
     { title: 'state', of: (plan) => (plan.serves ? <Verdict kind="good">serves</Verdict> : <span class="muted">kept</span>) },
   ];
   const takeBack = useCommand(async () => {
-    const yes = await confirm({ title: 'Take the serving plan back?', verb: 'Take it back', keep: 'Keep it' });
-    if (!yes) return;
+    const seen = await planHistory(list.plans);
+    if (seen.now === undefined || !(await confirm(await rollBackQuestion(seen.now, seen.before)))) return;
+    const present = await planHistory(list.plans);
+    again();
+    if (present.now !== seen.now || present.before !== seen.before) throw changedMeanwhile(present.now, seen.now);
     await plansApi().rollBackPlan({});
     again();
   });
@@ -49,28 +53,27 @@ function Shown({ list, again }: { list: ListPlansResponse; again: () => void }) 
     <div class="stack">
       <Panel title="Plans" actions={serves && <CommandButton small busy={takeBack.busy} onPress={() => void takeBack.send()}>Roll back…</CommandButton>}>
         {list.trouble && <Warned>{list.trouble}</Warned>}
-        {takeBack.failure && <Failed asked="Take the plan back" failure={takeBack.failure} />}
+        {takeBack.failure && <Failed asked="Roll back" failure={takeBack.failure} />}
         {list.plans.length === 0
           ? <Empty next="driftwise plan add plan.toml">No plan is kept.</Empty>
           : <Table caption="Serving plans, oldest first" rows={list.plans} keyOf={(plan) => String(plan.id)} columns={columns} />}
       </Panel>
-      {chosen !== undefined && <OnePlan key={String(chosen)} id={chosen} again={again} />}
+      {chosen !== undefined && <OnePlan key={String(chosen)} id={chosen} serving={list.plans.find((plan) => plan.serves)?.id} again={again} />}
       {serves && <JointTarget />}
     </div>
   );
 }
 
-function OnePlan({ id, again }: { id: bigint; again: () => void }) {
+function OnePlan({ id, serving, again }: { id: bigint; serving: bigint | undefined; again: () => void }) {
   const asked = useAsked(`plan ${id}`, async (signal) => plansApi().getPlan({ planId: id }, { signal }));
   const [check, setCheck] = useState<CheckPlanResponse>();
   const look = useCommand(async () => setCheck(await plansApi().checkPlan({ planId: id })), 'reads');
   const promote = useCommand(async () => {
     const found = await plansApi().checkPlan({ planId: id });
     setCheck(found);
-    const questions = found.findings.filter((finding) => !finding.refuses).map((finding) => finding.message);
+    const questions = questionsOf(found);
     if (found.findings.some((finding) => finding.refuses)) return;
-    const yes = await confirm({ title: `Serve by plan ${id}?${questions.length > 0 ? ` Although: ${questions.join('; ')}` : ''}`, verb: 'Promote it', keep: 'Not now' });
-    if (!yes) return;
+    if (!(await confirm(promotionQuestion(id, serving, questions)))) return;
     await plansApi().promotePlan({ planId: id, confirmed: questions.length > 0 });
     again();
   });
