@@ -1,5 +1,5 @@
 // A whole campaign from the page alone, on the simulated Micro-Nano: a trajectory is brought and run, a model fitted from a
-// formula that had a typo first, promoted, asked for a compensated target, and the run diagnosed. And what the page says to
+// formula that had a typo first, promoted, asked for a compensated target, rolled back to, and the run diagnosed. And what the page says to
 // files that are none.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
@@ -83,7 +83,14 @@ test('a trajectory is brought, looked at, kept and run', { timeout: longMs }, as
   await dialog(page).getByText(/68 rows checked, all within/).waitFor();
   await dialog(page).getByRole('button', { name: 'Start a run' }).click();
   await heading(page, /^Run 1\b/).waitFor();
+  await page.getByRole('button', { name: 'Pause', exact: true }).click();
+  await page.locator('.run-word', { hasText: 'Paused' }).waitFor();
+  await page.getByRole('button', { name: 'Resume…' }).click();
+  await dialog(page).getByText(/Anna, .* ago/).waitFor();
+  await dialog(page).getByRole('button', { name: 'Resume run 1' }).click();
   await page.locator('.run-word', { hasText: 'Done' }).waitFor({ timeout: longMs });
+  // The pause, as the daemon wrote it into the record, is a line in every plot over time.
+  await page.getByText('1 stop or pause').first().waitFor();
   await page.close();
   browser.assertQuiet();
 });
@@ -131,6 +138,27 @@ test('the model answers with a compensated target and a map', { timeout: 60_000 
   assert.match(q1, /q1\s+[-−]?\d\.\d{3}\s\d{3}\s\d{2}\s+mm/u);
   await page.getByText(/Point at a place for its value/).waitFor();
   assert.deepEqual(await axe(page), []);
+  await page.close();
+  browser.assertQuiet();
+});
+
+test('a rollback says what serves again and what stands against it', { timeout: 120_000 }, async () => {
+  await cell.cli('Anna', 'fit', '--run', '1', '--model', 'q ~ x + y + z');
+  await cell.cli('Anna', 'model', 'promote', '2', '--yes');
+  const page = await browser.page('/models');
+  await live(page);
+  await page.getByText('Model 2 serves targets').waitFor();
+  await page.getByRole('button', { name: 'Roll back…' }).click();
+  await dialog(page).getByRole('heading', { name: 'Roll back from model 2?' }).waitFor();
+  await dialog(page).getByText('q ~ poly(x, y, z, 2) + t07').waitFor();
+  await dialog(page).getByText(/ nm \(q\d, .*, mean .*, S90 /).waitFor();
+  await dialog(page).getByText('no run since model 1 was made shows whether the robot still does what it says').waitFor();
+  assert.deepEqual(await axe(page), []);
+  await dialog(page).getByRole('button', { name: 'Serve model 1 all the same' }).click();
+  await page.getByText('Model 1 serves targets').waitFor();
+  await page.getByRole('button', { name: 'Roll back…' }).click();
+  await dialog(page).getByText(/every target is refused/).waitFor();
+  await dialog(page).getByRole('button', { name: 'Keep model 1' }).click();
   await page.close();
   browser.assertQuiet();
 });

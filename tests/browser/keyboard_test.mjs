@@ -24,7 +24,10 @@ const focused = (page) => page.evaluate(() => document.activeElement?.textConten
 test('every view is a g and a letter away, with the focus on its heading', { timeout: 60_000 }, async () => {
   const page = await browser.page('/now');
   await live(page);
-  for (const [key, name] of [['i', 'Instruments'], ['t', 'Trajectories'], ['r', 'Runs'], ['m', 'Models'], ['d', 'Diagnosis'], ['a', 'Targets'], ['e', 'Record'], ['n', 'Now']]) {
+  for (const [key, name] of [
+    ['i', 'Instruments'], ['h', 'Manual'], ['c', 'Commissioning'], ['t', 'Trajectories'], ['r', 'Runs'], ['q', 'Queue'], ['m', 'Models'], ['p', 'Plans'],
+    ['o', 'Indentation'], ['s', 'Procedure'], ['d', 'Diagnosis'], ['a', 'Targets'], ['b', 'Look back'], ['e', 'Record'], ['n', 'Now'],
+  ]) {
     await page.keyboard.press('g');
     await page.keyboard.press(key);
     await page.getByRole('heading', { level: 1, name }).waitFor({ state: 'attached' });

@@ -33,6 +33,8 @@ test('across a room: numbers, and nothing to press', async () => {
 const views = [
   ['/now', 'Now'],
   ['/instruments?since=10min', 'Instruments'],
+  ['/manual', 'Manual'],
+  ['/commissioning', 'Commissioning'],
   ['/trajectories', 'Trajectories'],
   ['/runs', 'Runs'],
   ['/runs/1', 'Run 1 · first'],
@@ -49,6 +51,7 @@ const views = [
   ['/models/sensors', 'Models'],
   ['/diagnosis', 'Diagnosis'],
   ['/targets', 'Targets'],
+  ['/lookback', 'Look back'],
   ['/record', 'Record'],
 ];
 

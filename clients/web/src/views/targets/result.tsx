@@ -46,7 +46,7 @@ function Coordinate({ one }: { one: MotorCoordinate }) {
       <dt>{splitChannel(one.channel).symbol}</dt>
       <dd>
         <span class="result nowrap">{grouped(position(one), 8)} <span class="unit">{splitChannel(one.channel).unit}</span></span>
-        <span class="nowrap">± {one.joint ? `${significant(one.joint.u90Arcsec, 2)} arcsec` : `${significant(one.u90Nm, 2)} nm`} (<U90 />)</span>
+        <span class="nowrap">± {uncertaintyText(one)} (<U90 />)</span>
         {one.minMm !== undefined && <span class="nowrap">not reachable: limits {significant(one.minMm, 4)} to {significant(one.maxMm ?? NaN, 4)} mm</span>}
         {one.correctionNm !== undefined && <span class="nowrap muted">correction {correctionText(one.correctionNm, unit.current)}</span>}
       </dd>
@@ -76,8 +76,8 @@ const flagWords: Record<number, string> = {
   [Target_Flag.ZERO_OUTSIDE_DOMAIN]: 'the zero of the present datum was taken outside what the model was fitted on',
 };
 
-function Flags({ target }: { target: Target }) {
-  if (target.flags.length === 0) return <Verdict kind="good">inside the fitted domain, conditions fresh</Verdict>;
+// What holds a target back, in words, with the channels that are meant.
+export function doubtsOf(target: Target): { flag: Target_Flag; words: string }[] {
   const named: Partial<Record<Target_Flag, readonly string[]>> = {
     [Target_Flag.OUTSIDE_DOMAIN]: target.outsideChannels,
     [Target_Flag.STALE_TEMPERATURE]: target.staleChannels,
@@ -87,15 +87,18 @@ function Flags({ target }: { target: Target }) {
     [Target_Flag.IGNORED_COORDINATE]: target.ignoredChannels,
     [Target_Flag.ZERO_OUTSIDE_DOMAIN]: target.zeroOutsideChannels,
   };
-  const names = (flag: Target_Flag) => (named[flag] ?? []).map((channel) => splitChannel(channel).symbol);
-  return (
-    <>
-      {target.flags.map((flag) => (
-        <Verdict kind={flag === Target_Flag.OUTSIDE_LIMITS ? 'bad' : 'warn'} key={flag}>{flagWords[flag] ?? `flag ${flag}`}{names(flag).length > 0 && ` (${names(flag).join(', ')})`}</Verdict>
-      ))}
-    </>
-  );
+  return target.flags.map((flag) => {
+    const names = (named[flag] ?? []).map((channel) => splitChannel(channel).symbol).join(', ');
+    return { flag, words: `${flagWords[flag] ?? `flag ${flag}`}${names && ` (${names})`}` };
+  });
 }
+
+function Flags({ target }: { target: Target }) {
+  if (target.flags.length === 0) return <Verdict kind="good">inside the fitted domain, conditions fresh</Verdict>;
+  return <>{doubtsOf(target).map(({ flag, words }) => <Verdict kind={flag === Target_Flag.OUTSIDE_LIMITS ? 'bad' : 'warn'} key={flag}>{words}</Verdict>)}</>;
+}
+
+const uncertaintyText = (one: MotorCoordinate) => (one.joint ? `${significant(one.joint.u90Arcsec, 2)} arcsec` : `${significant(one.u90Nm, 2)} nm`);
 
 function Actions({ target, pose }: { target: Target; pose: Pose }) {
   const text = target.coordinates.map((one) => `${one.channel} = ${position(one).toFixed(8)}`).join('\n');
@@ -109,7 +112,9 @@ function Actions({ target, pose }: { target: Target; pose: Pose }) {
       facts: [
         ['pose', pose.map((one) => `${splitChannel(one.channel).symbol} ${fixed(one.value, 4)} ${unitSign(splitChannel(one.channel).unit)}`).join(', ')],
         ['motors', target.coordinates.map((one) => `${splitChannel(one.channel).symbol} ${grouped(one.positionMm, 6)} mm`).join(', ')],
+        ['uncertainty (U90)', target.coordinates.map((one) => `${splitChannel(one.channel).symbol} ± ${uncertaintyText(one)}`).join(', ')],
         ['limits', 'soft limits are checked before anything moves'],
+        ...doubtsOf(target).map(({ words }) => ['although', words] as const),
       ],
       verb: 'Move there',
       keep: 'Stay',
