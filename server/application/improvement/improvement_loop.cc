@@ -188,6 +188,16 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::take_turn() {
   co_return After::end;
 }
 
+// Lease of the whole improvement: kept while a diagnosis takes longer than a lease lasts. One that
+// was given up is not taken again, and the next measurement is refused.
+void ImprovementLoop::renew_lease() {
+  static_cast<void>(services_.manual.take_lease(caller_, kLease, request_.lease_token));
+}
+
+CellTime ImprovementLoop::next_renewal() const {
+  return clock_.now().utc + std::chrono::duration_cast<Nanoseconds>(kRenewEvery);
+}
+
 Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   DRIFTWISE_CO_RETURN_IF_ERROR(check());
   hooks_.tell(turn_.number, "diagnosing");
@@ -210,7 +220,8 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   });
   auto view = co_await services_.diagnoses.get(created.record.id);
   while (view && view->record.state == JobState::running && !stopping_) {
-    if (!over) co_await wake_.wait();
+    renew_lease();
+    if (!over) co_await sleep_unless(clock_, next_renewal(), wake_);
     view = co_await services_.diagnoses.get(created.record.id);
   }
   diagnosis_.reset();
@@ -357,7 +368,7 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
   wanted.setup = request_.setup;
   wanted.trajectory_text = std::move(trajectory_text);
   wanted.lease_token = request_.lease_token;
-  static_cast<void>(services_.manual.take_lease(caller_, kLease, request_.lease_token));
+  renew_lease();
   auto creating = services_.runs.create(caller_, std::move(wanted));
   auto run = co_await std::move(creating);
   if (!run) co_return run;
@@ -376,8 +387,8 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
     wake_.raise();
   });
   while (!ended && !stopping_) {  // a run that waits or is paused needs the lease as well
-    static_cast<void>(services_.manual.take_lease(caller_, kLease, request_.lease_token));
-    const auto until = clock_.now().utc + std::chrono::duration_cast<Nanoseconds>(kRenewEvery);
+    renew_lease();
+    const auto until = next_renewal();
     while (!ended && !stopping_ && clock_.now().utc < until)
       co_await sleep_unless(clock_, until, wake_);
   }

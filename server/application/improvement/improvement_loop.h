@@ -69,6 +69,8 @@ class ImprovementLoop {
   Awaitable<Result<RunRecord>> measure(std::string what, std::string trajectory_text);
   Awaitable<Result<void>> begin();
   Awaitable<Result<After>> take_turn();
+  void renew_lease();
+  CellTime next_renewal() const;
   Awaitable<Result<DiagnosisView>> diagnose();
   Awaitable<Result<DiagnosisView>> separate(DiagnosisView view);
   Awaitable<Result<After>> extend(const DiagnosisView& view, std::vector<int> findings);

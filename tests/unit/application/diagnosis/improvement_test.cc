@@ -46,7 +46,9 @@ Result<dx::Diagnosis> looks_for_a_bend(const Dataset& data, const dx::DiagnoseOp
 
 class ImprovementTest : public testing::Test {
  protected:
-  explicit ImprovementTest(application::Diagnose script = looks_for_a_bend) : d(script) {
+  explicit ImprovementTest(application::Diagnose script = looks_for_a_bend,
+                           bool on_a_thread_of_its_own = false)
+      : d(std::move(script), on_a_thread_of_its_own) {
     d.world.bend_nm_per_mm2 = 30;
     d.world.warming_k_per_h = 0.01;
   }
@@ -166,6 +168,24 @@ TEST_F(ImprovementTest, ALeaseThatIsGivenUpEndsItBeforeTheNextMeasurement) {
   EXPECT_EQ(record.state, JobState::failed);
   EXPECT_THAT(record.reason, HasSubstr("lease"));
   EXPECT_FALSE(record.turns[0].runs.empty());
+}
+
+class SlowDiagnosisTest : public ImprovementTest {
+ protected:
+  SlowDiagnosisTest() : ImprovementTest(looks_for_a_bend, true) {}
+};
+TEST_F(SlowDiagnosisTest, KeepsTheLeaseForTheNextMeasurement) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return !look(id).turns.empty() && look(id).turns[0].diagnosis; }, 400'000);
+  d.cell.pass(3 * 3600);  // a lease lasts an hour at most
+  d.cell.until(
+      [&] {
+        d.let_diagnoses_run();
+        return look(id).state != JobState::running;
+      },
+      400'000);
+  EXPECT_EQ(look(id).state, JobState::done) << look(id).reason;
+  EXPECT_EQ(look(id).turns[0].runs.size(), 2u) << "the fresh points were measured";
 }
 
 TEST_F(ImprovementTest, RefusesWhatARunWouldBeRefusedFor) {
