@@ -88,7 +88,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
           <CommandButton small busy={move.busy} label={`Move ${what} down`} onPress={() => void move.send(entry.id, waiting[at + 2]?.id)}>Down</CommandButton>
         )}
         {entry.state === QueueEntry_State.SET_ASIDE && <CommandButton small busy={move.busy} label={`Put ${what} back`} onPress={() => void move.send(entry.id, undefined)}>Put back</CommandButton>}
-        {(at >= 0 || entry.state === QueueEntry_State.SET_ASIDE) && <CommandButton small kind="bad" busy={remove.busy} label={`Remove ${what}`} onPress={() => void remove.send(entry)}>Remove</CommandButton>}
+        {(at >= 0 || entry.state === QueueEntry_State.SET_ASIDE) && <CommandButton small busy={remove.busy} label={`Remove ${what}`} onPress={() => void remove.send(entry)}>Remove…</CommandButton>}
       </div>
     );
   };
