@@ -176,7 +176,7 @@ class SlowDiagnosisTest : public ImprovementTest {
 };
 TEST_F(SlowDiagnosisTest, KeepsTheLeaseForTheNextMeasurement) {
   const auto id = begin()->id;
-  d.cell.until([&] { return !look(id).turns.empty() && look(id).turns[0].diagnosis; }, 400'000);
+  d.cell.until([&] { return !d.cell.events_named("diagnosis.started").empty(); });
   d.cell.pass(3 * 3600);  // a lease lasts an hour at most
   d.cell.until(
       [&] {
