@@ -1,16 +1,20 @@
 #!/usr/bin/env bash
-# Pictures of every view of the web page, light and dark, into docs/screenshots: a simulated Micro-Nano measures a campaign, which
-# is fitted and diagnosed, and the page is photographed in Chromium on the way. Safe to repeat; takes some minutes.
-# Usage: deploy/screenshots.sh [--no-build] [--out FOLDER] [--speed CELL_SECONDS_PER_SECOND]
+# Pictures of every view of the web page, light and dark, and of most on a phone, into docs/screenshots: a simulated Micro-Nano in
+# which a play is hidden measures a campaign, which is fitted, diagnosed and improved, and the page is photographed in Chromium
+# on the way; plans and indentation are those of deploy/demo.sh indentation. Safe to repeat; takes about ten minutes.
+# Usage: deploy/screenshots.sh [--no-build] [--out FOLDER] [--speed CELL_SECONDS_PER_SECOND] [--only-robots]
+#   --only-robots   the pictures of the two robots alone
 # DRIFTWISE_BUILD names the preset whose programs are used (release).
 source "$(dirname "$0")/lib/common.sh"
 
-build=yes preset=${DRIFTWISE_BUILD:-release} options=()
+build=yes preset=${DRIFTWISE_BUILD:-release} options=() out=() story=yes
 while [ $# -gt 0 ]; do
   case "$1" in
     --no-build) build=no; shift ;;
-    --out | --speed) options+=("$1" "${2:?$1 needs a value}"); shift 2 ;;
-    *) die "unknown option '$1'; there are --no-build, --out and --speed" ;;
+    --only-robots) story=no; shift ;;
+    --speed) options+=("$1" "${2:?$1 needs a value}"); shift 2 ;;
+    --out) out=(--out "$(realpath -m "${2:?$1 needs a value}")"); shift 2 ;;
+    *) die "unknown option '$1'; there are --no-build, --out, --speed and --only-robots" ;;
   esac
 done
 web=$root/clients/web
@@ -25,6 +29,23 @@ if [ $build = yes ]; then
 fi
 [ -f "$web/dist/index.html" ] || die "$web/dist is not there: run it without --no-build"
 
-say "campaign and pictures"
-DRIFTWISE_BIN_DIR=$root/build/$preset/bin node "$web/scripts/screenshots.mjs" "${options[@]}"
+export DRIFTWISE_BIN_DIR=$root/build/$preset/bin
+photograph() { node "$web/scripts/screenshots.mjs" "${out[@]}" "$@"; }
+status=0
+if [ $story = yes ]; then
+  say "campaign and pictures"
+  photograph "${options[@]}" || status=$?
+fi
+
+say "two robots: calibration, serving plan, indentation"
+log=$(mktemp) ready='The cell and its daemon run on.'
+DRIFTWISE_BUILD=$preset "$root/deploy/demo.sh" indentation --no-build --keep </dev/null >"$log" 2>&1 & robots=$!
+trap 'kill -TERM $robots 2>/dev/null || true; wait $robots || true; rm -f "$log"' EXIT
+until grep -q "$ready" "$log"; do
+  kill -0 $robots 2>/dev/null || { tail -n 20 "$log" >&2; die "the demo of two robots ended early: its last lines are above"; }
+  sleep 1
+done
+address=$(sed -n 's/.*"web": *"\([^"]*\)".*/\1/p' "$root/out/two-robots/driftwised.json")
+photograph --url "$address" plans indentation || status=$?
+[ $status = 0 ] || die "the page was not as it should be: the lines above say which picture and why"
 say "done"

@@ -10,7 +10,6 @@ import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { Browser, overflow } from '../../../tests/browser/lib/browser.mjs';
 import { Cell } from '../../../tests/browser/lib/cell.mjs';
-import { sourceFolder } from '../../../tests/browser/lib/places.mjs';
 import { smallPng } from './small_png.mjs';
 
 const { values: wanted, positionals: only } = parseArgs({
@@ -19,8 +18,9 @@ const { values: wanted, positionals: only } = parseArgs({
     url: { type: 'string' },
     out: { type: 'string', default: join(dirname(fileURLToPath(import.meta.url)), '../../../docs/screenshots') },
     speed: { type: 'string', default: '60' },
+    hide: { type: 'string', default: 'backlash:q2=300nm' }, // what the diagnosis has to find
     keep: { type: 'boolean', default: false },
-    trajectory: { type: 'string', default: join(sourceFolder, 'deploy/cells/micro-nano/trajectories/published.csv') },
+    trajectory: { type: 'string' }, // of the campaign; else campaignPlan()
   },
 });
 const folder = resolve(wanted.out);
@@ -28,23 +28,32 @@ mkdirSync(folder, { recursive: true });
 const troubles = new Set();
 let bytes = 0;
 
-// name, address, what has to be seen before the picture is taken, whether a phone's picture is taken too, how tall at most
+// name, address, when ("running": while the campaign is measured; "robots": of the cell with two robots), what has to be seen before
+// the picture is taken, whether a phone's picture is taken too, how tall at most
 const views = [
-  { name: 'now', path: '/now', while: 'running', phone: true, pause: 4000 },
-  { name: 'instruments', path: '/instruments?since=1h', while: 'running', pause: 4000, tall: 1700 },
-  { name: 'trajectory', path: '/trajectories/1', while: 'running', seen: 'What a run of it would do' },
-  { name: 'runs', path: '/runs' },
-  { name: 'run', path: '/runs/1', tall: 1300 },
-  { name: 'run-plots', path: '/runs/1?tab=plots' },
-  { name: 'models', path: '/models', prepare: typeFormula },
-  { name: 'model', path: '/models/3', seen: 'Terms of' },
+  { name: 'now', path: '/now', when: 'running', phone: true, pause: 4000 },
+  { name: 'instruments', path: '/instruments?since=1h', when: 'running', phone: true, pause: 4000, tall: 1700 },
+  { name: 'manual', path: '/manual', when: 'running', pause: 3000 },
+  { name: 'trajectory', path: '/trajectories/1', when: 'running', seen: 'What a run of it would do' },
+  { name: 'queue', path: '/queue', when: 'running', seen: 'weekend 2', phone: true },
+  { name: 'commissioning', path: '/commissioning', prepare: checkCell },
+  { name: 'runs', path: '/runs', phone: true },
+  { name: 'run', path: '/runs/1', phone: true, tall: 1300 },
+  { name: 'run-plots', path: '/runs/1?tab=plots', tall: 1900 },
+  { name: 'models', path: '/models', phone: true, prepare: typeFormula },
+  { name: 'model', path: '/models/3', seen: 'Terms of', phone: true },
   { name: 'model-residuals', path: '/models/3?tab=residuals', seen: 'Over time', tall: 1300 },
+  { name: 'rollback', path: '/models', prepare: askRollBack },
   { name: 'methods', path: '/models/methods?run=1', prepare: study('Compare methods', 'Methods, least error first'), tall: 1300 },
   { name: 'sensors', path: '/models/sensors?run=1&formula=q ~ poly(x, y, z, 3) %2B F %2B t04..t09', prepare: study('Try all sets', 'The best set of each size'), tall: 1600 },
-  { name: 'diagnosis', path: '/diagnosis/1', seen: 'What the discrepancy goes with', tall: 1700 },
+  { name: 'procedure', path: '/procedure', seen: 'wanted accuracy reached', phone: true },
+  { name: 'diagnosis', path: '/diagnosis/1', seen: 'What the discrepancy goes with', phone: true, tall: 1700 },
   { name: 'improvement', path: '/diagnosis/improve/1', seen: 'Turn 1' },
-  { name: 'targets', path: '/targets?x=0.2&y=-0.1&z=1.2&force=0.768', seen: 'What the correction is made of', pause: 6000, tall: 1600 },
-  { name: 'record', path: '/record', tall: 1100 },
+  { name: 'targets', path: '/targets?x=0.2&y=-0.1&z=1.2&force=0.768', seen: 'What the correction is made of', phone: true, pause: 6000, tall: 1700 },
+  { name: 'lookback', path: '/lookback', prepare: lookBack },
+  { name: 'record', path: '/record', phone: true, tall: 1100 },
+  { name: 'plans', path: '/plans', when: 'robots', seen: 'serves' },
+  { name: 'indentation', path: '/indentation/1', when: 'robots', seen: 'Contacts', tall: 1700 },
 ];
 
 async function typeFormula(page) {
@@ -53,6 +62,22 @@ async function typeFormula(page) {
   await page.getByText(/calibration and/).first().waitFor();
   await field.fill('q ~ poly(x, y, z, 3) + F + t0');
   await page.getByRole('listbox').waitFor();
+}
+
+async function checkCell(page) {
+  await page.getByRole('button', { name: 'Check the cell' }).click();
+  await page.getByRole('table').first().waitFor({ timeout: 60_000 });
+}
+
+async function askRollBack(page) {
+  await page.getByRole('button', { name: 'Roll back…' }).click();
+  await page.getByRole('dialog').waitFor({ timeout: 60_000 });
+}
+
+async function lookBack(page) {
+  await page.getByLabel('Channel', { exact: true }).selectOption('t07_degC');
+  await page.getByRole('button', { name: 'Analyse' }).click();
+  await page.getByText('Allan deviation').nth(1).waitFor({ timeout: 60_000 });
 }
 
 // What a daemon works out for the page takes its time.
@@ -109,6 +134,22 @@ function loopPlan() {
   return rows.join('\n') + '\n';
 }
 
+// 4 x 4 x 4 places, there and back in a snake, so that every axis comes from both sides; without force, and with it on the way back.
+function campaignPlan() {
+  const rows = ['q1_mm,q2_mm,q3_mm,set,line,zero,force_N'];
+  const places = [0.2, 0.95, 1.7, 2.45];
+  let visited = 0;
+  for (const [pass, force] of [0, 0.768].entries()) {
+    for (const [layer, q3] of places.entries()) {
+      const line = 4 * pass + layer;
+      rows.push(`0,0,0,calibration,${line},1,${force}`);
+      const snake = places.flatMap((q1, i) => (i % 2 ? places.toReversed() : places).map((q2) => `${q1},${q2},${q3}`));
+      for (const place of pass ? snake.toReversed() : snake) rows.push(`${place},${++visited % 4 === 3 ? 'validation' : 'calibration'},${line},0,${force}`);
+    }
+  }
+  return rows.join('\n') + '\n';
+}
+
 async function bring(browser, file, name) {
   const page = await browser.page('/trajectories');
   await page.getByLabel('a file, CSV').setInputFiles(file);
@@ -120,7 +161,7 @@ async function bring(browser, file, name) {
 
 // A campaign as a person makes it, through the page; pictures on the way.
 async function wholeStory() {
-  const cell = await Cell.start({ cell: 'micro-nano', speed: Number(wanted.speed) });
+  const cell = await Cell.start({ cell: 'micro-nano', speed: Number(wanted.speed), hide: wanted.hide });
   const browser = await Browser.open(cell.url);
   console.log(`the cell: ${cell.url} in ${cell.folder}`);
   const done = async () => (await cell.cli('Anna', 'run', 'show', '1')).run;
@@ -130,21 +171,27 @@ async function wholeStory() {
       await new Promise((later) => setTimeout(later, 500));
     }
   };
+  const plan = wanted.trajectory ?? join(cell.folder, 'weekend.csv');
   try {
-    await bring(browser, wanted.trajectory, /^Trajectory 1/);
-    await cell.cli('Anna', 'run', 'start', wanted.trajectory, '--name', 'weekend');
+    if (!wanted.trajectory) writeFileSync(plan, campaignPlan());
+    await bring(browser, plan, /^Trajectory 1/);
+    await cell.cli('Anna', 'run', 'start', plan, '--name', 'weekend');
     await until((run) => run.accepted_count > 0.55 * run.row_count);
-    await photographAll(browser, views.filter((view) => view.while === 'running'));
+    const waiting = [['weekend 2', '--when', 't04 < 18 degC for 30 min', '--then', 'fit:q ~ poly(x, y, z, 3) + F + R'], ['weekend 3', '--not-before', '2030-01-05T20:00:00Z']];
+    for (const [name, ...options] of waiting) await cell.cli('Anna', 'queue', 'add', plan, '--name', name, ...options);
+    await photographAll(browser, views.filter((view) => view.when === 'running'));
+    for (const id of [1, 2]) await cell.cli('Anna', 'queue', 'remove', `${id}`);
     await until((run) => run.state === 'done');
+    await cell.cli('Anna', 'run', 'tag', '1', 'wanted_a90.x_nm=100', 'wanted_a90.y_nm=100', 'wanted_a90.z_nm=100');
     console.log('measured; now fitted, diagnosed, improved');
     const geometry = 'q ~ poly(x, y, z, 3)';
     await cell.cli('Anna', 'fit', '--run', '1', '--model', geometry, '--name', 'geometry');
     await cell.cli('Anna', 'fit', '--run', '1', '--model', `${geometry} + F`, '--name', 'geometry, force');
-    await cell.cli('Anna', 'fit', '--run', '1', '--model', `${geometry} + F + T`, '--name', 'geometry, force, heat');
-    await cell.cli('Anna', 'model', 'promote', '3');
+    await cell.cli('Anna', 'fit', '--run', '1', '--model', `${geometry} + F + R`, '--name', 'geometry, force, heat');
+    for (const id of ['2', '3']) await cell.cli('Anna', 'model', 'promote', id, '--yes', '--reason', 'to be looked at');
     await diagnose(browser);
     await improve(browser, cell);
-    await photographAll(browser, views.filter((view) => view.while !== 'running'));
+    await photographAll(browser, views.filter((view) => view.when === undefined));
     if (wanted.keep) {
       console.log(`kept: ${cell.url}`);
       await new Promise((end) => ['SIGINT', 'SIGTERM'].forEach((signal) => process.once(signal, end)));
@@ -159,7 +206,7 @@ async function wholeStory() {
 async function diagnose(browser) {
   const page = await browser.page('/diagnosis?model=3');
   await page.getByRole('button', { name: 'Diagnose' }).click();
-  await page.locator('.state', { hasText: /Adequate|Extended|Unexplained|Failed/ }).waitFor({ timeout: 600_000 });
+  await page.locator('.state', { hasText: /Adequate|Extended|Unexplained|Failed/ }).waitFor({ timeout: 1_800_000 });
   await page.close();
 }
 

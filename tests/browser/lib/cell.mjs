@@ -36,13 +36,13 @@ async function end(child, signal) {
 }
 
 export class Cell {
-  // access: text of the [access] section; {folder} in it is the cell's folder.
-  static async start({ cell = 'micro-nano', speed = 100, seed = 1, settings = [], access = undefined } = {}) {
+  // access: text of the [access] section; {folder} in it is the cell's folder. hide: causes that the plant hides, as --hide takes them.
+  static async start({ cell = 'micro-nano', speed = 100, seed = 1, settings = [], hide = undefined, access = undefined } = {}) {
     const started = new Cell();
     started.folder = mkdtempSync(join(tmpdir(), 'driftwise-browser-'));
     const from = join(sourceFolder, 'deploy/cells', cell);
     try {
-      await started.startPlant(from, speed, seed, settings);
+      await started.startPlant(from, speed, seed, [...settings.flatMap((one) => ['--set', one]), ...(hide ? ['--hide', hide] : [])]);
       await started.keepAddress();
       if (access !== undefined) appendFileSync(join(started.folder, 'cell.toml'), `\n[access]\n${access.replaceAll('{folder}', started.folder)}\n`);
       await started.startDaemon();
@@ -57,11 +57,11 @@ export class Cell {
     return openSync(join(this.folder, name), 'a');
   }
 
-  async startPlant(from, speed, seed, settings) {
+  async startPlant(from, speed, seed, options) {
     const out = join(this.folder, 'cellsim.out');
     this.plant = spawn(join(binFolder, 'driftwise-cellsim'), [
       '--plant', join(from, 'plant.toml'), '--cell', join(from, 'cell.toml'), '--instantiate', this.folder,
-      '--speed', String(speed), '--seed', String(seed), ...settings.flatMap((one) => ['--set', one]),
+      '--speed', String(speed), '--seed', String(seed), ...options,
     ], { stdio: ['ignore', openSync(out, 'w'), this.log('cellsim.log')] });
     await until('driftwise-cellsim ready', () => {
       if (ended(this.plant)) throw new Error(`driftwise-cellsim ended:\n${readFileSync(join(this.folder, 'cellsim.log'), 'utf8').slice(-2000)}`);
