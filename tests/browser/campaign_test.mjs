@@ -83,6 +83,7 @@ test('a trajectory is brought, looked at, kept and run', { timeout: longMs }, as
   await dialog(page).getByText(/68 rows checked, all within/).waitFor();
   await dialog(page).getByRole('button', { name: 'Start a run' }).click();
   await heading(page, /^Run 1\b/).waitFor();
+  await page.getByText(/^([5-9]|\d\d) of 68 /).first().waitFor(); // a mark lies between points
   await page.getByRole('button', { name: 'Pause', exact: true }).click();
   await page.locator('.run-word', { hasText: 'Paused' }).waitFor();
   await page.getByRole('button', { name: 'Resume…' }).click();
@@ -129,7 +130,7 @@ test('the model answers with a compensated target and a map', { timeout: 60_000 
   const page = await browser.page('/targets');
   await live(page);
   await page.getByLabel('x, mm').fill('0.1x');
-  await page.getByText('a number in mm is expected').waitFor();
+  await page.getByText('a number in mm is expected', { exact: true }).waitFor();
   await page.getByLabel('x, mm').fill('0.1');
   await page.waitForURL(/x=0\.1/);
   await page.getByLabel('z, mm').fill('1.2');

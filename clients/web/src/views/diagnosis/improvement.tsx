@@ -108,7 +108,7 @@ function Turn({ turn, most, undone }: { turn: ImprovementTurn; most: number; und
         {turn.runIds.map((run) => <a key={String(run)} href={`/runs/${run}`}>run {String(run)}</a>)}
         {turn.modelId !== undefined && <a href={`/models/${turn.modelId}`}>model {String(turn.modelId)}</a>}
         {turn.diagnosisId !== undefined && <a href={`/diagnosis/${turn.diagnosisId}`}>diagnosis {String(turn.diagnosisId)}</a>}
-        <span>{dateClock(ms(turn.startTime))} to {dateClock(ms(turn.endTime))}</span>
+        <span>{ms(turn.endTime) === ms(turn.startTime) ? `since ${dateClock(ms(turn.startTime))}` : `${dateClock(ms(turn.startTime))} to ${dateClock(ms(turn.endTime))}`}</span>
       </p>
       {turn.gains.length > 0 && (
         <div class="table-scroll diagnosis-turn" tabIndex={0} role="region" aria-label={`Gains of turn ${turn.number}`}>

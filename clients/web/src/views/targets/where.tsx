@@ -5,6 +5,7 @@ import { fixed, grouped, signed } from '@/format/numbers';
 import { splitChannel } from '@/format/units';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Failed } from '@/ui/states';
+import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { useWhile } from '@/ui/use_while';
 import { Verdict } from '@/ui/verdict';
@@ -20,32 +21,24 @@ export function Where() {
   );
 }
 
+const isLength = (one: EstimatedCoordinate) => splitChannel(one.channel).unit === 'mm';
+const placeText = (one: EstimatedCoordinate, v: number) => (isLength(one) ? `${grouped(v, 7)} mm` : `${fixed(v, 3)} ${splitChannel(one.channel).unit}`);
+const distanceText = (one: EstimatedCoordinate, v: number, digits: typeof fixed) => (isLength(one) ? `${digits(v * 1e6, 1)} nm` : `${digits(v, 3)} ${splitChannel(one.channel).unit}`);
+
 function PoseTable({ coordinates }: { coordinates: readonly EstimatedCoordinate[] }) {
   return (
-    <div class="table-scroll" tabIndex={0} role="region" aria-label="Pose by the model and by the instruments">
-      <table>
-        <thead>
-          <tr><th scope="col">pose</th><th scope="col" class="number">simulated</th><th scope="col" class="number">U (k = 2)</th><th scope="col" class="number">measured</th><th scope="col" class="number">discrepancy</th><th scope="col" /></tr>
-        </thead>
-        <tbody>{coordinates.map((one) => <PoseRow key={one.channel} one={one} />)}</tbody>
-      </table>
-    </div>
-  );
-}
-
-function PoseRow({ one }: { one: EstimatedCoordinate }) {
-  const { symbol, unit } = splitChannel(one.channel);
-  const length = unit === 'mm';
-  const value = (v: number) => (length ? `${grouped(v, 7)} mm` : `${fixed(v, 3)} ${unit}`);
-  const small = (v: number) => (length ? `${fixed(v * 1e6, 1)} nm` : `${fixed(v, 3)} ${unit}`);
-  return (
-    <tr>
-      <td>{symbol}</td>
-      <td class="number nowrap">{value(one.value)}</td>
-      <td class="number nowrap">{small(2 * one.u)}</td>
-      <td class="number nowrap">{one.measured === undefined ? '-' : value(one.measured)}</td>
-      <td class="number nowrap">{one.discrepancy === undefined ? '-' : length ? `${signed(one.discrepancy * 1e6, 1)} nm` : `${signed(one.discrepancy, 3)} ${unit}`}</td>
-      <td>{one.measured !== undefined && <Verdict kind={one.agrees ? 'good' : 'warn'}>{one.agrees ? 'within U' : 'beyond U'}</Verdict>}</td>
-    </tr>
+    <Table
+      caption="Pose by the model and by the instruments"
+      rows={coordinates}
+      keyOf={(one) => one.channel}
+      columns={[
+        { title: 'pose', of: (one) => splitChannel(one.channel).symbol },
+        { title: 'simulated', number: true, of: (one) => placeText(one, one.value) },
+        { title: 'U (k = 2)', number: true, of: (one) => distanceText(one, 2 * one.u, fixed) },
+        { title: 'measured', number: true, of: (one) => (one.measured === undefined ? '–' : placeText(one, one.measured)) },
+        { title: 'discrepancy', number: true, of: (one) => (one.discrepancy === undefined ? '–' : distanceText(one, one.discrepancy, signed)) },
+        { title: 'verdict', of: (one) => one.measured !== undefined && <Verdict kind={one.agrees ? 'good' : 'warn'}>{one.agrees ? 'within U' : 'beyond U'}</Verdict> },
+      ]}
+    />
   );
 }
