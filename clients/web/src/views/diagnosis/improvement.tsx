@@ -17,6 +17,7 @@ import { useWhile } from '@/ui/use_while';
 import { Mark, Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { improvementWords } from './list';
+import { withCauses } from './causes';
 import { sentenceCase, turnLines } from './words';
 
 export function ImprovementPage({ id }: { id: bigint }) {
@@ -56,7 +57,7 @@ function Turns({ one, step }: { one: Improvement; step: string }) {
       <Panel class="diagnosis-banner">
         <div>
           <p class="state"><Mark kind={kind} size={32} /> {word[0].toUpperCase() + word.slice(1)}</p>
-          <p class="muted">{sentenceCase(one.reason) || step || 'waiting for the first turn'}</p>
+          <p class="muted">{sentenceCase(withCauses(one.reason)) || step || 'waiting for the first turn'}</p>
         </div>
         <Summary turns={standing(one)} all={standing(one).length === one.turns.length} />
       </Panel>

@@ -19,7 +19,7 @@ const servedOf = (oldestFirst: readonly Promotion[]) => servedBefore(oldestFirst
 export function doubtAbout(id: bigint, check: Pick<CheckModelResponse, 'verdict' | 'reasons'>): string | undefined {
   if (check.verdict === CheckModelResponse_Verdict.IN_CONTROL) return undefined;
   if (check.verdict !== CheckModelResponse_Verdict.RECALIBRATE) return `no run since model ${id} was made shows whether the robot still does what it says`;
-  return [`the robot no longer does what model ${id} says`, ...check.reasons].join(': ');
+  return `the robot no longer does what model ${id} says${check.reasons.length > 0 ? `: ${check.reasons.join('; ')}` : ''}`;
 }
 
 const uncheckedText = (id: bigint, error: unknown) => `model ${id} could not be checked against the runs since: ${failureOf(error).message}`;
