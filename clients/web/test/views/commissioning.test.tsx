@@ -59,7 +59,7 @@ afterEach(cleanup);
 
 // jsdom's pointer events have no button.
 const pointer = (on: HTMLElement, what: string) => fireEvent(on, new MouseEvent(what, { button: 0, bubbles: true }));
-const button = () => screen.findByRole('button', { name: 'Hold to move q1_mm up' });
+const button = () => screen.findByRole('button', { name: /^Hold to move q1_mm up/ });
 
 describe('a held button', () => {
   it('begins a movement, signs while it is down, and ends it when it is let go', async () => {

@@ -89,8 +89,8 @@ export function Axes() {
             <span class="number">{fixed(at, 6)} mm</span>
             <meter min={axis.minMm} max={axis.maxMm} value={Number.isFinite(at) ? at : axis.minMm} aria-label={`${axis.channel} between ${axis.minMm} and ${axis.maxMm} mm`} />
             <span class="muted nowrap">{limit(axis.minMm)} to {limit(axis.maxMm)} mm</span>
-            <JogButton label={`Hold to move ${axis.channel} down`} text={`− ${stepText(stepMm)}`} off={off} press={() => void press(axis, -1)} release={() => held.current?.release()} />
-            <JogButton label={`Hold to move ${axis.channel} up`} text={`+ ${stepText(stepMm)}`} off={off} press={() => void press(axis, 1)} release={() => held.current?.release()} />
+            <JogButton label={`Hold to move ${axis.channel} down, − ${stepText(stepMm)}`} text={`− ${stepText(stepMm)}`} off={off} press={() => void press(axis, -1)} release={() => held.current?.release()} />
+            <JogButton label={`Hold to move ${axis.channel} up, + ${stepText(stepMm)}`} text={`+ ${stepText(stepMm)}`} off={off} press={() => void press(axis, 1)} release={() => held.current?.release()} />
           </div>
         );
       })}
