@@ -1,10 +1,13 @@
-// What served in which order: promotions and rollbacks as a stack.
+// What served in which order, and taking the newest promotion back: of models and of serving plans.
+import { Code, ConnectError } from '@connectrpc/connect';
+import { confirm, type Question } from '@/ui/confirm';
+
 export interface Served {
   id?: bigint; // absent: none served after a rollback
   rollback: boolean;
 }
 
-// What serves, and what would serve after taking the newest promotion back. Oldest first.
+// What serves, and what would serve after taking the newest promotion back: promotions and rollbacks as a stack, oldest first.
 export function servedBefore(history: readonly Served[]): { now?: bigint; before?: bigint } {
   const stack: bigint[] = [];
   for (const one of history) {
@@ -12,4 +15,34 @@ export function servedBefore(history: readonly Served[]): { now?: bigint; before
     else if (one.id !== undefined) stack.push(one.id);
   }
   return { now: stack.at(-1), before: stack.at(-2) };
+}
+
+export interface Serving {
+  what: 'model' | 'plan';
+  affected: string;
+  none: string; // what follows where none serves
+  history: () => Promise<Served[]>;
+  look: (id: bigint) => Promise<{ facts: NonNullable<Question['facts']>; against: readonly string[] }>; // of what would serve again
+  rollBack: () => Promise<unknown>;
+}
+
+export const servedText = (what: string, id: bigint | undefined) => (id === undefined ? `no ${what}` : `${what} ${id}`);
+
+// Asked and answered of the same history: a promotion or rollback of somebody else in between is no part of the answer.
+export async function rollBack({ what, affected, none, history, look, rollBack: act }: Serving): Promise<void> {
+  const { now, before } = servedBefore(await history());
+  if (now === undefined) return;
+  const { facts, against } = before === undefined ? { facts: [], against: [] } : await look(before);
+  const bad = before === undefined || against.length > 0;
+  const yes = await confirm({
+    title: `Roll back from ${what} ${now}?`, keep: `Keep ${what} ${now}`, bad,
+    verb: `Serve ${servedText(what, before)}${against.length > 0 ? ' all the same' : ''}`,
+    ...(before === undefined && { words: `No ${what} served before it: ${none} until one is promoted.` }),
+    facts: [['serves now', `${what} ${now}`], ['from then on', servedText(what, before)], ...facts, ['who is affected', affected], ...against.map((words) => ['although', words] as const)],
+  });
+  if (!yes) return;
+  const present = servedBefore(await history());
+  if (present.now !== now || present.before !== before)
+    throw new ConnectError(`nothing was rolled back: ${servedText(what, present.now)} serves by now, where you were asked about ${what} ${now}; look at the list, then try again`, Code.FailedPrecondition);
+  await act();
 }

@@ -3,6 +3,7 @@ import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
 import { ExportModelRequest_Format } from '@/api/gen/driftwise/v1/model_service_pb';
 import { modelApi } from '@/api/model';
 import { cell } from '@/live/state';
+import { servedText } from '@/parts/served';
 import { Button, CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { download } from '@/ui/download';
@@ -10,7 +11,8 @@ import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { headingText } from './figures';
 
-export const served = (id: bigint | undefined) => (id === undefined ? 'no model' : `model ${id}`);
+export const affected = 'every controller and run that asks for targets, from its next target on';
+const served = (id: bigint | undefined) => servedText('model', id);
 
 export function Promote({ model, questions = [], onDone }: { model: Model; questions?: readonly string[]; onDone: () => void }) {
   const command = useCommand(async () => {
@@ -24,7 +26,7 @@ export function Promote({ model, questions = [], onDone }: { model: Model; quest
         ['served now', served(cell.value?.servingModelId)],
         ['from then on', `model ${model.id}`],
         ['accuracy (A90)', headingText(model)],
-        ['who is affected', 'every controller and run that asks for targets, from its next target on'],
+        ['who is affected', affected],
         ['to undo', 'Roll back'],
         ...questions.map((question) => ['although', question] as const),
       ],

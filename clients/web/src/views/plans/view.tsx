@@ -3,6 +3,7 @@ import { useState } from 'preact/hooks';
 import type { CheckPlanResponse, ComputeJointTargetResponse, ListPlansResponse, Plan } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { fixed, signed } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
+import { rollBack } from '@/parts/served';
 import { CommandButton, Button } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Field } from '@/ui/field';
@@ -15,7 +16,7 @@ import { useTyped } from '@/ui/use_typed';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { plansApi } from './api';
-import { changedMeanwhile, planHistory, promotionQuestion, questionsOf, rollBackQuestion } from './questions';
+import { promotionQuestion, servingPlan } from './questions';
 import { answeredBy, jointPoseTyped } from './words';
 
 export default function PlansView() {
@@ -40,13 +41,7 @@ function Shown({ list, again }: { list: ListPlansResponse; again: () => void }) 
     { title: 'state', of: (plan) => (plan.serves ? <Verdict kind="good">serves</Verdict> : <span class="muted">kept</span>) },
   ];
   const takeBack = useCommand(async () => {
-    const seen = await planHistory(list.plans);
-    if (seen.now === undefined || !(await confirm(await rollBackQuestion(seen.now, seen.before)))) return;
-    const present = await planHistory(list.plans);
-    again();
-    if (present.now !== seen.now || present.before !== seen.before) throw changedMeanwhile(present.now, seen.now);
-    await plansApi().rollBackPlan({});
-    again();
+    await rollBack(servingPlan(list.plans)).finally(again);
   });
   const serves = list.plans.some((plan) => plan.serves);
   return (
@@ -71,7 +66,7 @@ function OnePlan({ id, serving, again }: { id: bigint; serving: bigint | undefin
   const promote = useCommand(async () => {
     const found = await plansApi().checkPlan({ planId: id });
     setCheck(found);
-    const questions = questionsOf(found);
+    const questions = found.findings.filter((finding) => !finding.refuses).map((finding) => finding.message);
     if (found.findings.some((finding) => finding.refuses)) return;
     if (!(await confirm(promotionQuestion(id, serving, questions)))) return;
     await plansApi().promotePlan({ planId: id, confirmed: questions.length > 0 });
