@@ -342,8 +342,12 @@ Awaitable<bool> DatabaseUpkeep::check_next_table() {
       if (last_of(table) < checks_.begun) left.push_back(table);
   };
   list();
-  if (left.empty() || checks_.begun.utc_ns == 0) {  // a new pass, or the first
-    checks_.begun = clock_.now().utc;
+  const auto now = clock_.now().utc;
+  // A new pass, or the first, or one of before the clock was set back.
+  if (left.empty() || checks_.begun.utc_ns == 0 || now < checks_.begun) {
+    checks_.begun = now;
+    for (auto& one : checks_.tables)
+      if (one.checked >= now) one.checked = CellTime{0};  // by that other clock
     list();
   }
   health_.tables = static_cast<std::int64_t>(tables->size());

@@ -157,6 +157,20 @@ TEST_F(DatabaseUpkeepInACell, FindsDamageThatHappenedWhileItWasAway) {
   EXPECT_THAT(alarms("database.damaged"), SizeIs(1));
 }
 
+TEST_F(DatabaseUpkeepInACell, AClockThatWasSetBackBeginsTheCheckAnew) {
+  begin_and_accept(1);
+  cell().finish_run();
+  cell().pass(300);
+  const auto before = cell().status().database.last_clean;
+  ASSERT_GT(before.utc_ns, 0);
+  begin = cell().now() - std::chrono::hours(3);  // every table was checked later than this
+  cell_.reset();
+  cell().pass(300);
+  const auto again = cell().status().database;
+  EXPECT_EQ(again.tables_checked, again.tables);
+  EXPECT_LT(again.last_clean, before);
+}
+
 TEST_F(DatabaseUpkeepInACell, ACheckWaitsWhileTheRobotIsAtWork) {
   begin_and_accept(2);
   ASSERT_TRUE(cell().await(cell()->runs.pause(cell().ada, cell().status().run->run.id)));
