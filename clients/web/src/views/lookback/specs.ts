@@ -6,6 +6,9 @@ import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
 const colours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's6', 's5', 'good', 'idle'];
 const dashes: readonly (readonly number[] | undefined)[] = [undefined, [6, 4], [2, 3], [10, 3, 2, 3]];
 
+// A plot with a reason why it is empty is not drawn.
+const unless = (hasValues: boolean, why: string): { why?: string } => (hasValues ? {} : { why });
+
 // One colour per run, one dash per quantity.
 export function overlay(title: string, runs: readonly ComparedRun[], of: (run: ComparedRun) => readonly ComparedSeries[], why: string): PlotSpec {
   const names = [...new Set(runs.flatMap((run) => of(run).map((one) => one.name)))];
@@ -15,7 +18,7 @@ export function overlay(title: string, runs: readonly ComparedRun[], of: (run: C
       const dash = dashes[names.indexOf(one.name) % dashes.length];
       return { name: `run ${run.runId} ${one.name}`, unit: one.unit, colour: colours[r % colours.length], x: one.hours, y: one.values, ...(dash && { dash }) };
     }));
-  return { title, what: `${unit} against hours since each run's start`, x: { label: 'time_h', unit: 'h' }, y: { unit }, series, marks: [], why };
+  return { title, what: `${unit} against hours since each run's start`, x: { label: 'time_h', unit: 'h' }, y: { unit }, series, marks: [], ...unless(series.some((one) => one.x.length > 0), why) };
 }
 
 const log10 = (values: readonly number[]) => values.map((value) => (value > 0 ? Math.log10(value) : NaN));
@@ -30,7 +33,7 @@ export function allanPlot(found: AnalyseStabilityResponse): PlotSpec {
         min: log10(found.allan.map((one) => one.low)), max: log10(found.allan.map((one) => one.high)), digits: 3,
       },
     ],
-    why: 'Too few values.',
+    ...unless(found.allan.length > 0, 'Too few values.'),
   };
 }
 
@@ -39,7 +42,7 @@ export function spectrumPlot(found: AnalyseStabilityResponse): PlotSpec {
     title: `Spectrum of ${found.channel}`, what: `log10 of ${found.unit}²/Hz against log10 of Hz`,
     x: { label: 'log10_frequency_hz', unit: '' }, y: { unit: '', zero: false }, marks: [],
     series: [{ name: 'density', unit: '', colour: 'q2', x: log10(found.spectrum.map((one) => one.frequencyHz)), y: log10(found.spectrum.map((one) => one.density)), digits: 3 }],
-    why: 'Fewer than 16 values.',
+    ...unless(found.spectrum.length > 0, 'Fewer than 16 values.'),
   };
 }
 
@@ -51,6 +54,6 @@ export function againstPlot(x: Series, y: Series): PlotSpec {
   return {
     title: `${y.channel} against ${x.channel}`, what: `${y.unit} against ${x.unit}`, x: { label: x.channel, unit: x.unit }, y: { unit: y.unit, zero: false }, marks: [],
     series: [{ name: y.channel, unit: y.unit, colour: 'q1', x: pairs.map(([a]) => a), y: pairs.map(([, b]) => b), draw: 'markers' }],
-    why: 'The record has no instant at which both have a value.',
+    ...unless(pairs.length > 0, 'The record has no instant at which both have a value.'),
   };
 }
