@@ -57,7 +57,7 @@ function Turns({ one, step }: { one: Improvement; step: string }) {
       <Panel class="diagnosis-banner">
         <div>
           <p class="state"><Mark kind={kind} size={32} /> {word[0].toUpperCase() + word.slice(1)}</p>
-          <p class="muted">{sentenceCase(withCauses(one.reason)) || step || 'waiting for the first turn'}</p>
+          <p class="muted">{sentenceCase(withCauses(one.reason)) || withCauses(step ?? '') || 'waiting for the first turn'}</p>
         </div>
         <Summary turns={standing(one)} all={standing(one).length === one.turns.length} />
       </Panel>
