@@ -11,6 +11,7 @@
 #include "server/diagnosis/answer/u90.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/robot/geometry.h"
+#include "server/diagnosis/robot/left_out.h"
 #include "server/identification/identify.h"
 #include "server/identification/pose_rows.h"
 #include "server/kinematics/joint_errors.h"
@@ -42,18 +43,6 @@ std::vector<Index> geometry_columns(const identification::Identification& identi
     if (k >= parameters || identified.parameters[static_cast<std::size_t>(k)].free)
       columns.push_back(k);
   return columns;
-}
-
-// Learning rows x joints, each from 0 to 1.
-Eigen::MatrixXd scaled_angles(const Eigen::MatrixXd& inputs, std::size_t joints,
-                              const std::vector<std::size_t>& learn) {
-  Eigen::MatrixXd angles(static_cast<Index>(learn.size()), static_cast<Index>(joints));
-  for (std::size_t i = 0; i < learn.size(); ++i)
-    angles.row(static_cast<Index>(i)) =
-        inputs.col(static_cast<Index>(learn[i])).head(static_cast<Index>(joints)).transpose();
-  const Eigen::RowVectorXd low = angles.colwise().minCoeff();
-  const Eigen::RowVectorXd range = (angles.colwise().maxCoeff() - low).cwiseMax(1e-9);
-  return (angles.rowwise() - low) * range.cwiseInverse().asDiagonal();
 }
 
 std::string name_of_cause(const ArmCause& cause) {
@@ -185,13 +174,17 @@ void turn_joint(const ArmCause& cause, const Eigen::VectorXd& amplitude,
 
 std::string refusal(const RefusedArmCause& refused, const ArmCause& cause) {
   const auto& gate = refused.gate;
-  char text[320];
+  const bool predicts = gate.by_time > 0 && gate.by_places > 0 && gate.by_driver > 0;
+  char text[400];
   std::snprintf(text, sizeof text,
-                "%s is refused (evidence %.0f): rows left out are not predicted better by it. "
-                "2 ln of their density grows by %.0f over blocks of time, %.0f over groups of "
-                "poses, %.0f over six parts of what it goes with (%.1f of its own spread)",
-                name_of_cause(cause).c_str(), refused.two_ln_bf, gate.by_time, gate.by_places,
-                gate.by_driver, gate.t_by_driver);
+                "%s is refused (evidence %.0f): %s. 2 ln of the density of rows left out grows by "
+                "%.0f over blocks of time, %.0f over groups of poses, %.0f over six parts of what "
+                "it goes with; left out one by one, they let its size vary by %.0f %%",
+                name_of_cause(cause).c_str(), refused.two_ln_bf,
+                predicts ? "its size rests on some of these rows"
+                         : "rows left out are not predicted better by it",
+                gate.by_time, gate.by_places, gate.by_driver,
+                100 / std::max(gate.t_by_driver, 0.01));
   return text;
 }
 
@@ -225,7 +218,7 @@ Result<ArmDiagnosis> diagnose_arm(const Dataset& dataset, const Problem& problem
       geometry_columns(identified, whole.columns.cols() - static_cast<Index>(turns.joint.size()));
   DRIFTWISE_TRY(const auto rows, identification::mechanism_data(data, *mechanism));
   ArmSearch search(whole, geometry, causes,
-                   scaled_angles(rows.inputs, result.robot.links.size(), problem.learn),
+                   scaled_rows(rows.inputs.topRows(std::ssize(result.robot.links)), problem.learn),
                    problem.learn);
   search.search(alpha);
   const Reporter reporter(problem, whole, search, causes, geometry);
@@ -240,6 +233,10 @@ Result<ArmDiagnosis> diagnose_arm(const Dataset& dataset, const Problem& problem
   add_hidden(search, causes, masses, result.not_testable);
   for (const auto& one : search.refused())
     result.warnings.push_back(refusal(one, causes[one.cause]));
+  for (const std::size_t one : search.withdrawn())
+    result.warnings.push_back(name_of_cause(causes[one]) +
+                              ": with it the rows that took no part in finding it are described "
+                              "worse, and it was withdrawn");
   return result;
 }
 

@@ -9,53 +9,18 @@
 
 #include "server/calibration/linear/tail.h"
 #include "server/diagnosis/noise/ground.h"
-#include "server/diagnosis/rows/place_groups.h"
+#include "server/diagnosis/robot/left_out.h"
+#include "server/diagnosis/rows/held_out_gain.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kArmTimeFolds = 5, kArmPlaceFolds = 6, kDriverParts = 6;
 constexpr Index kShortBlocks = 60;
-constexpr double kArmGap = 0.04;  // of the rows, on either side of a block of time
 constexpr double kRivalWithin = 6, kSpreadLevel = 0.95;
 
 double normal_below(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
-
-// 2 ln of the predictive density of rows left out: base columns with a prior `precision`, fitted to
-// the others. gram, along: of all rows; x, y: of the rows that take no part; of which the first
-// `judged` are predicted and the rest only left out.
-double predictive(const Eigen::MatrixXd& gram, const Eigen::VectorXd& along,
-                  const Eigen::VectorXd& precision, const Eigen::MatrixXd& x,
-                  const Eigen::VectorXd& y, Index judged) {
-  Eigen::MatrixXd a = gram - x.transpose() * x;
-  a.diagonal() += precision;
-  a.diagonal().array() += 1e-9;
-  const Eigen::LLT<Eigen::MatrixXd> fitted(a);
-  const Eigen::VectorXd b = fitted.solve(along - x.transpose() * y);
-  const auto rows = x.topRows(judged);
-  const Eigen::VectorXd e = y.head(judged) - rows * b;
-  const Eigen::LLT<Eigen::MatrixXd> with(a + rows.transpose() * rows);
-  double log_ratio = 0;
-  for (Index k = 0; k < a.cols(); ++k)
-    log_ratio += 2 * std::log(with.matrixL()(k, k) / fitted.matrixL()(k, k));
-  const Eigen::VectorXd xe = rows.transpose() * e;
-  return -(e.squaredNorm() - xe.dot(with.solve(xe))) - log_ratio;
-}
-
-double sum_of(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0);
-}
-
-double t_of(const std::vector<double>& values) {
-  const auto n = static_cast<double>(values.size());
-  const double mean = sum_of(values) / n;
-  double squares = 0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  const double error = std::sqrt(squares / (n - 1) / n);
-  return error > 0 ? mean / error : 0;
-}
 
 }  // namespace
 
@@ -203,74 +168,22 @@ ArmSearch::Evidence ArmSearch::evidence(std::size_t cause, const std::vector<Sof
   return result;
 }
 
-std::vector<double> ArmSearch::predicted(const std::vector<std::vector<std::size_t>>& folds,
-                                         double gap, std::size_t cause,
-                                         const std::vector<Soft>& base, double share) const {
+ArmGate ArmSearch::gate(std::size_t cause, const std::vector<Soft>& base, double share) const {
   auto with = base;
   with.push_back({cause, share});
   const auto columns = columns_of(with);
-  const auto count = static_cast<Index>(columns.size()), own = width(cause);
-  const Index p = basis_.cols() + count;
-  Eigen::MatrixXd all(basis_.rows(), p);
-  all << basis_, turns_(Eigen::all, columns) * scales_of(with).asDiagonal();
-  const Eigen::MatrixXd gram = all.transpose() * all;
-  const Eigen::VectorXd along = all.transpose() * y_;
-  Eigen::VectorXd precision = Eigen::VectorXd::Zero(p);
-  precision.tail(count).setOnes();
-  const auto idle_rows = static_cast<std::size_t>(gap * static_cast<double>(rows_));
-  std::vector<double> gains;
-  for (const auto& fold : folds) {
-    std::vector<Index> out;
-    for (Index o = 0; o < outputs_; ++o)
-      for (const std::size_t row : fold) out.push_back(o * rows_ + static_cast<Index>(row));
-    const auto judged = static_cast<Index>(out.size());
-    if (idle_rows > 0)  // the fold is a block of rows
-      for (Index o = 0; o < outputs_; ++o)
-        for (std::size_t i = 1; i <= idle_rows; ++i) {
-          if (fold.front() >= i) out.push_back(o * rows_ + static_cast<Index>(fold.front() - i));
-          if (fold.back() + i < static_cast<std::size_t>(rows_))
-            out.push_back(o * rows_ + static_cast<Index>(fold.back() + i));
-        }
-    const Eigen::MatrixXd x = all(out, Eigen::all);
-    const Eigen::VectorXd y = y_(out);
-    const Index less = p - own;
-    gains.push_back(predictive(gram, along, precision, x, y, judged) -
-                    predictive(gram.topLeftCorner(less, less), along.head(less),
-                               precision.head(less), x.leftCols(less), y, judged));
-  }
-  return gains;
-}
-
-ArmGate ArmSearch::gate(std::size_t cause, const std::vector<Soft>& base, double share) const {
-  const auto n = static_cast<std::size_t>(rows_);
-  std::vector<std::vector<std::size_t>> time, parts(kDriverParts);
-  for (std::size_t f = 0; f < kArmTimeFolds; ++f) {
-    auto& fold = time.emplace_back();
-    for (std::size_t i = f * n / kArmTimeFolds; i < (f + 1) * n / kArmTimeFolds; ++i)
-      fold.push_back(i);
-  }
-  std::vector<std::vector<double>> places;
-  for (Index i = 0; i < angles_.rows(); ++i) {
-    const Eigen::VectorXd row = angles_.row(i);
-    places.emplace_back(row.begin(), row.end());
-  }
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto& driver = causes_[cause].driver;
-  std::ranges::stable_sort(order, {},
-                           [&](std::size_t i) { return driver[static_cast<Index>(learn_[i])]; });
-  for (std::size_t i = 0; i < n; ++i) parts[i * kDriverParts / n].push_back(order[i]);
-  ArmGate result;
-  result.by_time = sum_of(predicted(time, kArmGap, cause, base, share));
-  result.by_places =
-      sum_of(predicted(neighbouring_groups(places, kArmPlaceFolds), 0, cause, base, share));
-  const auto of_parts = predicted(parts, 0, cause, base, share);
-  result.by_driver = sum_of(of_parts);
-  result.t_by_driver = t_of(of_parts);
+  const LeftOut left_out(basis_, turns_(Eigen::all, columns) * scales_of(with).asDiagonal(),
+                         Eigen::VectorXd::Ones(static_cast<Index>(columns.size())), width(cause),
+                         y_, rows_);
+  const auto parts = folds_of_driver(causes_[cause].driver(learn_));
+  ArmGate result{
+      .by_time = left_out.growth_over_time(folds_of_time(static_cast<std::size_t>(rows_))),
+      .by_places = left_out.growth(folds_of_places(angles_)),
+      .by_driver = left_out.growth(parts),
+      .t_by_driver = left_out.t_without(parts)};
+  const double least = calibration::t_quantile(kSpreadLevel, static_cast<double>(parts.size()) - 1);
   result.passes = result.by_time > 0 && result.by_places > 0 && result.by_driver > 0 &&
-                  (causes_[cause].certain ||
-                   result.t_by_driver > calibration::t_quantile(
-                                            kSpreadLevel, static_cast<double>(kDriverParts) - 1));
+                  (causes_[cause].certain || result.t_by_driver > least);
   return result;
 }
 
@@ -319,16 +232,14 @@ std::optional<ArmSearch::Soft> ArmSearch::companion(const Soft& one,
   return second;
 }
 
-void ArmSearch::search(double alpha) {
-  alpha_ = alpha;
-  std::vector<char> ruled_out(causes_.size(), 0);
+void ArmSearch::enter(std::vector<char>& ruled_out) {
   while (true) {
     std::optional<std::size_t> best;
     Evidence most;
     for (std::size_t c = 0; c < causes_.size(); ++c) {
       if (ruled_out[c] != 0 || index_of(c)) continue;
       const auto one = evidence(c, beside(c));
-      if (!one.nameable || chance_of(c, one.two_ln) > alpha) continue;
+      if (!one.nameable || chance_of(c, one.two_ln) > alpha_) continue;
       if (!best || one.two_ln > most.two_ln) best = c, most = one;
     }
     if (!best) break;
@@ -347,7 +258,7 @@ void ArmSearch::search(double alpha) {
     // What a later one explains goes.
     for (std::size_t i = 0; i < in_.size(); ++i) {
       const auto again = evidence(in_[i].cause, beside(in_[i].cause));
-      if (again.nameable && chance_of(in_[i].cause, again.two_ln) <= alpha) {
+      if (again.nameable && chance_of(in_[i].cause, again.two_ln) <= alpha_) {
         in_[i].share = again.share;
         continue;
       }
@@ -355,6 +266,34 @@ void ArmSearch::search(double alpha) {
       in_.erase(in_.begin() + static_cast<std::ptrdiff_t>(i));
       break;
     }
+  }
+}
+
+// The one whose going mends most, where rows that took no part are described worse with it.
+std::optional<std::size_t> ArmSearch::harmful() const {
+  const auto left = [this](std::size_t without) {
+    return Eigen::VectorXd(whole_.y_raw_judge - whole_.raw_judge * coefficients(without));
+  };
+  const auto rows = static_cast<std::size_t>(whole_.y_raw_judge.size() / outputs_);
+  const Eigen::VectorXd with = left(kNone);
+  std::optional<std::size_t> worst;
+  double most = 0;
+  for (const auto& one : in_) {
+    const double ratio = harm(left(one.cause), with, rows);
+    if (ratio > most) most = ratio, worst = one.cause;
+  }
+  return worst;
+}
+
+void ArmSearch::search(double alpha) {
+  alpha_ = alpha;
+  std::vector<char> ruled_out(causes_.size(), 0);
+  enter(ruled_out);
+  while (const auto worst = harmful()) {
+    ruled_out[*worst] = 1;
+    harmful_.push_back(*worst);
+    std::erase_if(in_, [&](const Soft& one) { return one.cause == *worst; });
+    enter(ruled_out);
   }
   describe();
 }

@@ -20,10 +20,11 @@
 //
 // Gate: the predictive log density of rows left out must rise over blocks of time, over
 // groups of neighbouring joint angles, and over six parts of what the cause is a function of
-// (angle, torque, temperature). Over those six parts the rise of a cause that need not act (all but
-// sag) must also exceed its own spread (Student's t, one-sided 5 %): what predicts some parts and
-// spoils others is another cause's likeness. One that fails alone may enter with a second, where
-// either passes with the other in.
+// (angle, torque, temperature). The amplitude of a cause that need not act (all but sag) must also
+// be the same without any of the six parts: it exceeds its own standard error by the jackknife over
+// them (Student's t, one-sided 5 %). One part alone that asks for it, or parts that disagree, are
+// another cause's likeness. One that fails alone may enter with a second, where either passes with
+// the other in.
 
 #include <Eigen/Core>
 #include <optional>
@@ -36,7 +37,7 @@ namespace driftwise::diagnosis {
 
 struct ArmGate {
   double by_time = 0, by_places = 0, by_driver = 0;  // growth of 2 ln of the predictive density
-  double t_by_driver = 0;                            // of the six parts' mean over its spread
+  double t_by_driver = 0;  // amplitude over its standard error, from leaving out each of six parts
   bool passes = false;
 };
 
@@ -66,6 +67,8 @@ class ArmSearch {
   void search(double alpha);
   const std::vector<NamedArmCause>& named() const { return named_; }  // strongest first
   const std::vector<RefusedArmCause>& refused() const { return refused_; }
+  // With them in the judging rows were described worse.
+  const std::vector<std::size_t>& withdrawn() const { return harmful_; }
 
   // Amplitude from which such rows show the cause beside the numbers of the drawing, in its units.
   double least_shown(std::size_t cause) const;
@@ -100,12 +103,11 @@ class ArmSearch {
   };
   Evidence evidence(std::size_t cause, const std::vector<Soft>& base) const;
   double chance_of(std::size_t cause, double two_ln) const;  // after the price of looking at all
-  std::vector<double> predicted(const std::vector<std::vector<std::size_t>>& folds, double gap,
-                                std::size_t cause, const std::vector<Soft>& base,
-                                double share) const;
   ArmGate gate(std::size_t cause, const std::vector<Soft>& base, double share) const;
   std::optional<Soft> companion(const Soft& one, const std::vector<char>& ruled_out) const;
   std::optional<std::size_t> index_of(std::size_t cause) const;
+  void enter(std::vector<char>& ruled_out);
+  std::optional<std::size_t> harmful() const;
   void describe();
 
   const WhitenedGeometry& whole_;
@@ -127,6 +129,7 @@ class ArmSearch {
   std::vector<Soft> in_;
   std::vector<NamedArmCause> named_;
   std::vector<RefusedArmCause> refused_;
+  std::vector<std::size_t> harmful_;
 };
 
 }  // namespace driftwise::diagnosis

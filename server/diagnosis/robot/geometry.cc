@@ -13,6 +13,7 @@
 #include "server/diagnosis/answer/u90.h"
 #include "server/diagnosis/robot/parameter_selection.h"
 #include "server/diagnosis/robot/whitened_geometry.h"
+#include "server/diagnosis/rows/held_out_gain.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -72,13 +73,15 @@ std::string sentence_of(const Finding& finding, double nominal, const std::strin
 
 class Geometry {
  public:
+  // white: of the same rows, as if the noise of none hung together with the next.
   Geometry(const Problem& problem, const Identification& identified, WhitenedGeometry whole,
-           double alpha)
+           const WhitenedGeometry& white, double alpha)
       : problem_(problem),
         identified_(identified),
         whole_(std::move(whole)),
-        selection_(whole_.columns, whole_.y, roles()) {
-    selection_.select(alpha);
+        selection_({{whole_.columns, whole_.y}, {white.columns, white.y}}, roles()) {
+    do selection_.select(alpha);
+    while (withdraw_what_harms());
   }
 
   const std::vector<std::size_t>& named() const { return selection_.chosen(); }
@@ -117,6 +120,30 @@ class Geometry {
       if (one.free && !one.parameter.placement) roles[k] = Role::offered;
     }
     return roles;
+  }
+
+  // The one whose going mends most where judging rows are described worse with it, else the weakest
+  // where all of them together are. Was there one?
+  bool withdraw_what_harms() {
+    if (named().empty()) return false;
+    const auto left = [this](const Eigen::VectorXd& coefficients) {
+      return Eigen::VectorXd(whole_.y_raw_judge - whole_.raw_judge * coefficients);
+    };
+    const std::size_t rows = problem_.judge.size();
+    const Eigen::VectorXd with = left(selection_.coefficients());
+    std::size_t goes = ParameterSelection::kNone;
+    double most = 0;
+    for (const std::size_t k : named()) {
+      const double one = harm(left(selection_.coefficients(k)), with, rows);
+      if (one > most) most = one, goes = k;
+    }
+    if (goes == ParameterSelection::kNone) {
+      if (harm(left(selection_.coefficients_of_none()), with, rows) == 0) return false;
+      goes = *std::ranges::min_element(named(), {},
+                                       [this](std::size_t k) { return selection_.gain_2lnl(k); });
+    }
+    selection_.forbid(goes);
+    return true;
   }
 
   void add_outputs(std::size_t k, double deviation, Finding& found) const {
@@ -187,9 +214,10 @@ Result<GeometryDiagnosis> diagnose_geometry(
   DRIFTWISE_TRY(auto nominal, identify_with(data, mechanism, terms, true));
   DRIFTWISE_TRY(const auto identified, identify_with(data, mechanism, terms, false));
   if (tick && !tick()) return cancelled();
-  auto whole = whitened_geometry(data, problem, identified, tick);
-  if (!whole) return cancelled();
-  const Geometry geometry(problem, identified, std::move(*whole), alpha);
+  auto whole = whitened_geometry(data, problem, identified, noise_grid(problem.timeline), tick);
+  auto white = whitened_geometry(data, problem, identified, {NoiseShape{}}, tick);
+  if (!whole || !white) return cancelled();
+  const Geometry geometry(problem, identified, std::move(*whole), *white, alpha);
   GeometryDiagnosis result{{}, {}, std::move(nominal), {}};
   for (const std::size_t k : geometry.named()) result.findings.push_back(geometry.finding(k));
   std::ranges::stable_sort(result.findings, std::ranges::greater{}, &Finding::log_likelihood_ratio);

@@ -102,13 +102,13 @@ WhitenedGeometry plain_geometry(const Dataset& marked, const Problem& problem,
 
 std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const Problem& problem,
                                                   const identification::Identification& identified,
+                                                  const std::vector<NoiseShape>& shapes,
                                                   const std::function<bool()>& tick) {
   WhitenedGeometry result = plain_geometry(marked, problem, identified);
   const Eigen::VectorXd back = deviations(identified, result.columns.cols());
   result.y -= result.columns * back;
   const auto n = static_cast<Index>(problem.learn.size());
   const auto outputs = static_cast<Index>(problem.outputs.size());
-  const auto shapes = noise_grid(problem.timeline);
   for (Index o = 0; o < outputs; ++o) {
     auto columns = result.columns.middleRows(o * n, n);
     auto y = result.y.segment(o * n, n);

@@ -34,9 +34,11 @@ WhitenedGeometry plain_geometry(const Dataset& marked, const Problem& problem,
                                 const JointTurns& turns = {});
 
 // Derivatives at `identified`; the discrepancy is that of the parameters' nominal values, where the
-// robot was placed (identified's placement). Nothing: tick said false.
+// robot was placed (identified's placement). shapes: that the noise of each output chooses from.
+// Nothing: tick said false.
 std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const Problem& problem,
                                                   const identification::Identification& identified,
+                                                  const std::vector<NoiseShape>& shapes,
                                                   const std::function<bool()>& tick);
 
 }  // namespace driftwise::diagnosis

@@ -93,11 +93,14 @@ HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Soft
   return result;
 }
 
-// Jackknife over contiguous blocks of the ratio itself: what both share cancels.
 HeldOutRatio held_out_ratio(const Problem& problem, const ProblemOutput& output,
                             const SoftBase& before, const SoftBase& after) {
-  const Eigen::VectorXd without = judged_residuals(problem, output, before);
-  const Eigen::VectorXd with = judged_residuals(problem, output, after);
+  return held_out_ratio(judged_residuals(problem, output, before),
+                        judged_residuals(problem, output, after));
+}
+
+// Jackknife over contiguous blocks of the ratio itself: what both share cancels.
+HeldOutRatio held_out_ratio(const Eigen::VectorXd& without, const Eigen::VectorXd& with) {
   const auto n = static_cast<std::size_t>(without.size());
   if (n == 0) return {};
   HeldOutRatio result{std::sqrt(without.squaredNorm() / static_cast<double>(n)),
@@ -120,6 +123,25 @@ HeldOutRatio held_out_ratio(const Problem& problem, const ProblemOutput& output,
   const double middle = ln_ratio(without, with);
   result.ratio_ci90 = {std::exp(middle - error), std::exp(middle + error)};
   return result;
+}
+
+double harm(const Eigen::VectorXd& before, const Eigen::VectorXd& after, std::size_t rows) {
+  if (static_cast<std::size_t>(before.size()) < kFewestJudges) return 0;
+  const auto n = static_cast<Eigen::Index>(rows), outputs = before.size() / n;
+  double worst = 0;
+  const auto compare = [&worst](const Eigen::VectorXd& without, const Eigen::VectorXd& with) {
+    const auto one = held_out_ratio(without, with);
+    if (one.is_worse()) worst = std::max(worst, one.ratio());
+  };
+  for (Eigen::Index o = 0; o < outputs && rows >= kFewestJudges; ++o)
+    compare(before.segment(o * n, n), after.segment(o * n, n));
+  const Eigen::RowVectorXd scale = before.reshaped(n, outputs).colwise().norm().cwiseMax(1e-300);
+  const auto by_row = [&](const Eigen::VectorXd& stacked) {
+    const Eigen::MatrixXd scaled = stacked.reshaped(n, outputs) * scale.cwiseInverse().asDiagonal();
+    return Eigen::VectorXd(scaled.transpose().reshaped());
+  };
+  compare(by_row(before), by_row(after));
+  return worst;
 }
 
 }  // namespace driftwise::diagnosis

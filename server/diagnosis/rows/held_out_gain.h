@@ -34,6 +34,11 @@ struct HeldOutRatio {
 };
 HeldOutRatio held_out_ratio(const Problem& problem, const ProblemOutput& output,
                             const SoftBase& before, const SoftBase& after);
+// The same of what two simulations leave of the judging rows.
+HeldOutRatio held_out_ratio(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+// Of several outputs, stacked, `rows` of each: the largest ratio of one that is worse, or of all
+// together, each in units of what `before` leaves; 0: none is, or there are too few to say.
+double harm(const Eigen::VectorXd& before, const Eigen::VectorXd& after, std::size_t rows);
 
 // Residuals of the rows of `judge`, each from the fit that did not see it.
 Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& output,

@@ -195,6 +195,34 @@ TEST(HeldOutFigures, OfAnOutputThatACauseDoesNotMoveAreAsBefore) {
               1e-9 * *other.a90_validation_before);
 }
 
+// Stacked outputs, each with its own size of error.
+Eigen::VectorXd stacked(std::size_t rows, const std::vector<double>& sizes, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd all(static_cast<Eigen::Index>(rows * sizes.size()));
+  for (std::size_t i = 0; i < rows * sizes.size(); ++i)
+    all[static_cast<Eigen::Index>(i)] = sizes[i / rows] * normal(random);
+  return all;
+}
+
+TEST(HeldOutFigures, AnOutputThatIsWorseIsHarmAndOneWithinItsIntervalIsNot) {
+  const Eigen::VectorXd before = stacked(60, {1, 40}, 1);
+  EXPECT_EQ(harm(before, 1.01 * before, 60), 0);
+  Eigen::VectorXd after = before;
+  after.head(60) *= 1.3;
+  EXPECT_NEAR(harm(before, after, 60), 1.3, 1e-9);
+  EXPECT_EQ(harm(before, before + stacked(60, {0.1, 4}, 2), 60), 0);
+}
+
+TEST(HeldOutFigures, OfTooFewRowsAreComparedOverAllOutputsTogether) {
+  const Eigen::VectorXd before = stacked(12, {1, 40, 7}, 3);
+  EXPECT_NEAR(harm(before, 1.4 * before, 12), 1.4, 1e-9);
+  Eigen::VectorXd one_better = 1.2 * before;
+  one_better.head(12) *= 0.2;
+  EXPECT_EQ(harm(before, one_better, 12), 0);
+  EXPECT_EQ(harm(before.head(12), 3 * before.head(12), 12), 0);  // one output: nothing to say
+}
+
 }  // namespace
 }  // namespace held_out_test
 }  // namespace driftwise::diagnosis

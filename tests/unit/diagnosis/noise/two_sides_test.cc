@@ -120,6 +120,28 @@ TEST(ATouchingInstrument, WhoseSideGoesMostlyWithAVariableOfTheSimulationIsNamed
   EXPECT_NEAR(found.findings[0].parameters[0].value, kWidth_mm * 1e6, 0.1 * kWidth_mm * 1e6);
 }
 
+// A straightness table of two metres whose dial gauge sticks: what it reads is the deviation, which
+// hardly follows the position.
+TEST(ATouchingInstrument, ThatReadsADeviationIsNamedByTheDeviation) {
+  std::mt19937 random(21);
+  std::normal_distribution<double> normal;
+  DatasetColumn x{{"x", "mm"}, {}}, ex{{"ex", "um"}, {}};
+  Dataset data;
+  data.rows = 200;
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double place_mm = 100.0 * static_cast<double>((i / 2) % 20);
+    const double side = random() % 2 == 0 ? 6 : -6;
+    x.values.push_back(place_mm);
+    ex.values.push_back(3e-3 * place_mm + side + 0.8 * normal(random));
+    data.time_s.push_back(20.0 * static_cast<double>(i));
+  }
+  data.columns = {x, ex};
+  const auto found = diagnosed(data, "ex ~ x");
+  ASSERT_THAT(causes_in(found), testing::ElementsAre("probe_hysteresis"));
+  EXPECT_EQ(found.findings[0].subject, "ex");
+  EXPECT_NEAR(found.findings[0].parameters[0].value, 12e3, 600);
+}
+
 TEST(ATouchingInstrument, WithoutFrictionIsNotNamed) {
   for (const unsigned seed : {5U, 6U, 7U})
     EXPECT_THAT(causes_in(diagnosed(measured({}, seed), kPlatform)), testing::IsEmpty()) << seed;
