@@ -284,7 +284,7 @@ Awaitable<std::vector<int>> ImprovementLoop::acceptable(const DiagnosisView& vie
   std::vector<int> kept;
   for (const int number : findings) {
     const auto& finding = view.found->findings[static_cast<std::size_t>(number - 1)];
-    if (finding.applies_to != effects::AppliesTo::correction) {
+    if (finding.applies_to == effects::AppliesTo::robot) {
       kept.push_back(number);
       continue;
     }

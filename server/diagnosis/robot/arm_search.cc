@@ -269,7 +269,8 @@ void ArmSearch::enter(std::vector<char>& ruled_out) {
   }
 }
 
-// The one whose going mends most, where rows that took no part are described worse with it.
+// The one whose going mends most, where rows that took no part are described worse with it, over
+// all outputs together: a joint moves them all.
 std::optional<std::size_t> ArmSearch::harmful() const {
   const auto left = [this](std::size_t without) {
     return Eigen::VectorXd(whole_.y_raw_judge - whole_.raw_judge * coefficients(without));
@@ -279,8 +280,8 @@ std::optional<std::size_t> ArmSearch::harmful() const {
   std::optional<std::size_t> worst;
   double most = 0;
   for (const auto& one : in_) {
-    const double ratio = harm(left(one.cause), with, rows);
-    if (ratio > most) most = ratio, worst = one.cause;
+    const auto compared = held_out_ratio_together(left(one.cause), with, rows);
+    if (compared.is_worse() && compared.ratio() > most) most = compared.ratio(), worst = one.cause;
   }
   return worst;
 }
@@ -308,9 +309,10 @@ void ArmSearch::describe() {
     const double scale = one.share * typical_[one.cause];
     const auto base = beside(one.cause);
     const auto own = evidence(one.cause, base);
+    const Fit scatter = fit(in_, correlated_[one.cause]);  // as its evidence counts the rows
     NamedArmCause named{.cause = one.cause,
                         .amplitude = scale * all.mean.segment(at, k),
-                        .error = scale * all.error.segment(at, k),
+                        .error = scale * scatter.error.segment(at, k),
                         .two_ln_bf = own.two_ln,
                         .p_adjusted = chance_of(one.cause, own.two_ln),
                         .gain_2lnl = own.likelihood,

@@ -122,8 +122,9 @@ class Geometry {
     return roles;
   }
 
-  // The one whose going mends most where judging rows are described worse with it, else the weakest
-  // where all of them together are. Was there one?
+  // The one whose going mends most where judging rows are described worse with it, over all outputs
+  // together: a number moves them all. Else the weakest, where any output is worse with all of them
+  // than with none. Was there one?
   bool withdraw_what_harms() {
     if (named().empty()) return false;
     const auto left = [this](const Eigen::VectorXd& coefficients) {
@@ -134,8 +135,8 @@ class Geometry {
     std::size_t goes = ParameterSelection::kNone;
     double most = 0;
     for (const std::size_t k : named()) {
-      const double one = harm(left(selection_.coefficients(k)), with, rows);
-      if (one > most) most = one, goes = k;
+      const auto one = held_out_ratio_together(left(selection_.coefficients(k)), with, rows);
+      if (one.is_worse() && one.ratio() > most) most = one.ratio(), goes = k;
     }
     if (goes == ParameterSelection::kNone) {
       if (harm(left(selection_.coefficients_of_none()), with, rows) == 0) return false;

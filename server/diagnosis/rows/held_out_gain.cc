@@ -125,22 +125,27 @@ HeldOutRatio held_out_ratio(const Eigen::VectorXd& without, const Eigen::VectorX
   return result;
 }
 
-double harm(const Eigen::VectorXd& before, const Eigen::VectorXd& after, std::size_t rows) {
-  if (static_cast<std::size_t>(before.size()) < kFewestJudges) return 0;
+HeldOutRatio held_out_ratio_together(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                                     std::size_t rows) {
+  if (static_cast<std::size_t>(before.size()) < kFewestJudges) return {};
   const auto n = static_cast<Eigen::Index>(rows), outputs = before.size() / n;
-  double worst = 0;
-  const auto compare = [&worst](const Eigen::VectorXd& without, const Eigen::VectorXd& with) {
-    const auto one = held_out_ratio(without, with);
-    if (one.is_worse()) worst = std::max(worst, one.ratio());
-  };
-  for (Eigen::Index o = 0; o < outputs && rows >= kFewestJudges; ++o)
-    compare(before.segment(o * n, n), after.segment(o * n, n));
   const Eigen::RowVectorXd scale = before.reshaped(n, outputs).colwise().norm().cwiseMax(1e-300);
   const auto by_row = [&](const Eigen::VectorXd& stacked) {
     const Eigen::MatrixXd scaled = stacked.reshaped(n, outputs) * scale.cwiseInverse().asDiagonal();
     return Eigen::VectorXd(scaled.transpose().reshaped());
   };
-  compare(by_row(before), by_row(after));
+  return held_out_ratio(by_row(before), by_row(after));
+}
+
+double harm(const Eigen::VectorXd& before, const Eigen::VectorXd& after, std::size_t rows) {
+  double worst = 0;
+  const auto look = [&worst](const HeldOutRatio& one) {
+    if (one.is_worse()) worst = std::max(worst, one.ratio());
+  };
+  const auto n = static_cast<Eigen::Index>(rows);
+  for (Eigen::Index at = 0; at < before.size() && rows >= kFewestJudges; at += n)
+    look(held_out_ratio(before.segment(at, n), after.segment(at, n)));
+  look(held_out_ratio_together(before, after, rows));
   return worst;
 }
 

@@ -36,8 +36,12 @@ HeldOutRatio held_out_ratio(const Problem& problem, const ProblemOutput& output,
                             const SoftBase& before, const SoftBase& after);
 // The same of what two simulations leave of the judging rows.
 HeldOutRatio held_out_ratio(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
-// Of several outputs, stacked, `rows` of each: the largest ratio of one that is worse, or of all
-// together, each in units of what `before` leaves; 0: none is, or there are too few to say.
+// Of several outputs, stacked, `rows` of each: of all together, each in units of what `before`
+// leaves.
+HeldOutRatio held_out_ratio_together(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                                     std::size_t rows);
+// The largest such ratio, of one output or of all together, that is worse; 0: none is, or there are
+// too few to say.
 double harm(const Eigen::VectorXd& before, const Eigen::VectorXd& after, std::size_t rows);
 
 // Residuals of the rows of `judge`, each from the fit that did not see it.

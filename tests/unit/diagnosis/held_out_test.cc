@@ -220,6 +220,7 @@ TEST(HeldOutFigures, OfTooFewRowsAreComparedOverAllOutputsTogether) {
   Eigen::VectorXd one_better = 1.2 * before;
   one_better.head(12) *= 0.2;
   EXPECT_EQ(harm(before, one_better, 12), 0);
+  EXPECT_LT(held_out_ratio_together(before, one_better, 12).ratio(), 1);
   EXPECT_EQ(harm(before.head(12), 3 * before.head(12), 12), 0);  // one output: nothing to say
 }
 

@@ -257,5 +257,24 @@ TEST_F(ImpossibleLaserTest, IsLeftOutAndTheRestIsAccepted) {
   EXPECT_THAT(record.reason, HasSubstr("126 ppm/h")) << "the last turn has nothing else";
 }
 
+// A search that also names a probe that sticks: no model, correction or row changes for it.
+class StickingProbeTest : public ImprovementTest {
+ protected:
+  StickingProbeTest()
+      : ImprovementTest([](const Dataset& data, const dx::DiagnoseOptions& options) {
+          auto found = looks_for_a_bend(data, options);
+          if (found)
+            found->findings.push_back(
+                finding_of("probe_hysteresis", "x", effects::AppliesTo::dataset, {}, {}));
+          return found;
+        }) {}
+};
+TEST_F(StickingProbeTest, IsLeftOutAndEndsTheTurnsWhereItIsAllThatWasFound) {
+  const auto record = finished(begin()->id);
+  EXPECT_EQ(record.state, JobState::done) << record.reason;
+  EXPECT_THAT(record.turns[0].what, HasSubstr("geometry_order x"));
+  EXPECT_THAT(record.reason, HasSubstr("changes no model, correction or row"));
+}
+
 }  // namespace
 }  // namespace driftwise::tests
