@@ -34,24 +34,14 @@ std::string numbered(std::size_t value, const std::string& name) {
   return "further" + (value > 1 ? std::to_string(value) : "") + "_" + name;
 }
 
-// Most of a coordinate's range that an error of what reads it may be. An output that is a deviation
-// hardly follows the coordinate: it would have to err by metres.
-constexpr double kMostOfRange = 0.05;
-
 // Which axis an instrument's error belongs to: the one whose own column is spread over the outputs
-// as the error is, each output by its noise. None where the outputs are what the instrument reads.
+// as the error is, each output by its noise.
 struct AlongAxis {
   std::string symbol;  // "" where the baseline has no coordinate
   std::string unit;    // mm or arcsec
   double shift = 0;    // of that coordinate, that gives the error's first column
   double alike = 0;    // cosine between the two, over the outputs
 };
-double range_of(const DatasetColumn& column, const std::vector<std::size_t>& rows) {
-  const auto [low, high] = std::ranges::minmax(
-      rows | std::views::transform([&](std::size_t row) { return column.values[row]; }));
-  return high - low;
-}
-
 // sizes: of the error, an output a row, in summary units; an error of two phases has two columns.
 AlongAxis axis_of(const Problem& problem, Eigen::MatrixXd sizes, const Eigen::VectorXd& noise_sd) {
   sizes = noise_sd.cwiseInverse().asDiagonal() * sizes;
@@ -75,9 +65,8 @@ AlongAxis axis_of(const Problem& problem, Eigen::MatrixXd sizes, const Eigen::Ve
     }
     const Eigen::RowVectorXd across = slopes.transpose() * sizes;
     const double alike = across.norm() > 0 ? across.norm() / (slopes.norm() * sizes.norm()) : 0;
-    const double shift = std::abs(across[0]) / slopes.squaredNorm();
-    if (alike > best.alike && shift < kMostOfRange * range_of(column, problem.learn))
-      best = {symbol, column.channel.unit, shift, alike};
+    if (alike > best.alike)
+      best = {symbol, column.channel.unit, std::abs(across[0]) / slopes.squaredNorm(), alike};
   }
   return best;
 }
@@ -257,6 +246,20 @@ std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause
   return findings;
 }
 
+namespace {
+
+// Most of a coordinate's range that the sides of what reads it may be apart. An output that is a
+// deviation hardly follows the coordinate: its sides would be metres of it.
+constexpr double kMostOfRange = 0.1;
+
+double range_of(const std::vector<double>& values, const std::vector<std::size_t>& rows) {
+  const auto [low, high] = std::ranges::minmax(
+      rows | std::views::transform([&](std::size_t row) { return values[row]; }));
+  return high - low;
+}
+
+}  // namespace
+
 Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
   Finding finding{.cause = "probe_hysteresis",
                   .where = "instrument",
@@ -271,7 +274,9 @@ Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
   Eigen::Index largest = 0;
   sides.half.cwiseAbs().maxCoeff(&largest);
   const auto& output = problem.outputs[static_cast<std::size_t>(largest)];
-  if (axis.alike > kOneAxis) {
+  const auto* read = problem.data().find(axis.symbol);
+  if (axis.alike > kOneAxis && read != nullptr &&
+      2 * axis.shift < kMostOfRange * range_of(read->values, problem.learn)) {
     finding.subject = axis.symbol;
     const bool length = axis.unit == "mm";
     finding.parameters.push_back({length ? "width_nm" : "width_" + axis.unit,
