@@ -67,7 +67,7 @@ class ArmSearch {
   void search(double alpha);
   const std::vector<NamedArmCause>& named() const { return named_; }  // strongest first
   const std::vector<RefusedArmCause>& refused() const { return refused_; }
-  // With them in the judging rows were described worse.
+  // Causes with which the judging rows were described worse.
   const std::vector<std::size_t>& withdrawn() const { return harmful_; }
 
   // Amplitude from which such rows show the cause beside the numbers of the drawing, in its units.

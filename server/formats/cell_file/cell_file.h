@@ -27,7 +27,7 @@ Result<CellDescription> read_cell_file(const std::string& path, DeviceKinds kind
 // [web] root of the cell file at this path, absolute; empty: none is named.
 std::string web_root_of(const CellDescription& cell, const std::string& path);
 
-// Where the device stands in the cell file, in front of a driver's complaint: "cell.toml:12: ". The
+// Place of the device in the cell file, in front of a driver's complaint: "cell.toml:12: ". The
 // line is that of the option that the complaint names, else of the device. Empty: the description
 // was not made from a file.
 std::string device_place(const CellDescription& cell, const std::string& path, std::size_t device,

@@ -253,7 +253,7 @@ class Reader {
                             ", expected a later time in every row: " + mended(before, now));
   }
 
-  // What to do about a time that does not increase. Sorting is wrong where a run was put behind
+  // Advice on a time that does not increase. Sorting is wrong where a run was put behind
   // another one: it would mix their rows.
   std::string mended(std::size_t before, std::size_t now) const {
     constexpr const char* kUntimed = "leave the column out, and the rows count in their order";

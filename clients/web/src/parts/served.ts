@@ -1,4 +1,4 @@
-// What served in which order, and taking the newest promotion back: of models and of serving plans.
+// Order in which models or serving plans served, and taking the newest promotion back.
 import { Code, ConnectError } from '@connectrpc/connect';
 import { confirm, type Question } from '@/ui/confirm';
 
@@ -7,7 +7,7 @@ export interface Served {
   rollback: boolean;
 }
 
-// What serves, and what would serve after taking the newest promotion back: promotions and rollbacks as a stack, oldest first.
+// The one that serves, and the one after taking the newest promotion back: promotions and rollbacks as a stack, oldest first.
 export function servedBefore(history: readonly Served[]): { now?: bigint; before?: bigint } {
   const stack: bigint[] = [];
   for (const one of history) {

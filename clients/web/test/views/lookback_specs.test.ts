@@ -1,4 +1,4 @@
-// What Look back plots: a reason why a plot is empty hides what there is.
+// Plots of Look back: a reason why a plot is empty hides what there is.
 import { create } from '@bufbuild/protobuf';
 import { expect, it } from 'vitest';
 import { AnalyseStabilityResponseSchema } from '@/api/gen/driftwise/v1/look_back_service_pb';

@@ -1,4 +1,4 @@
-// What a diagnosis was given and does not read: terms of constant or far channels, an arm's angles.
+// Input of a diagnosis that it does not read: terms of constant or far channels, an arm's angles.
 
 #include "server/diagnosis/report/left_unread.h"
 

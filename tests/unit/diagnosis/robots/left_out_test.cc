@@ -1,4 +1,4 @@
-// What is foretold of rows left out, against a joint normal density of all rows.
+// Prediction of rows left out, against a joint normal density of all rows.
 
 #include "server/diagnosis/robot/left_out.h"
 

@@ -239,7 +239,7 @@ TEST(ReadCellFile, NamesAFileThatIsNotThere) {
   EXPECT_NE(cell.error().message.find("/nowhere/cell.toml"), std::string::npos);
 }
 
-// What a driver finds wrong is found after the file was read.
+// A driver's complaints come after the file was read.
 TEST(DevicePlace, IsTheLineOfTheDeviceOrOfTheOptionThatADriverNames) {
   const auto cell = parse_cell_file(kCell, "cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;

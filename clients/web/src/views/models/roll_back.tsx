@@ -13,7 +13,7 @@ import { headingText } from './figures';
 
 const served = (oldestFirst: readonly Promotion[]) => oldestFirst.map((one) => ({ id: one.modelId, rollback: one.action === Promotion_Action.ROLLBACK }));
 
-// What the runs since it was made say against it; undefined: they agree with it.
+// Doubt by the runs since it was made; undefined: they agree with it.
 export function doubtAbout(id: bigint, check: Pick<CheckModelResponse, 'verdict' | 'reasons'>): string | undefined {
   if (check.verdict === CheckModelResponse_Verdict.IN_CONTROL) return undefined;
   if (check.verdict !== CheckModelResponse_Verdict.RECALIBRATE) return `no run since model ${id} was made shows whether the robot still does what it says`;

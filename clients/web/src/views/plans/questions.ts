@@ -1,4 +1,4 @@
-// What is asked before another plan serves every joint target.
+// Questions before another plan serves every joint target.
 import type { Plan } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { servedText, type Serving } from '@/parts/served';
 import type { Question } from '@/ui/confirm';

@@ -76,7 +76,7 @@ const flagWords: Record<number, string> = {
   [Target_Flag.ZERO_OUTSIDE_DOMAIN]: 'the zero of the present datum was taken outside what the model was fitted on',
 };
 
-// What holds a target back, in words, with the channels that are meant.
+// Reasons that hold a target back, in words, with the channels that are meant.
 export function doubtsOf(target: Target): { flag: Target_Flag; words: string }[] {
   const named: Partial<Record<Target_Flag, readonly string[]>> = {
     [Target_Flag.OUTSIDE_DOMAIN]: target.outsideChannels,
