@@ -213,7 +213,7 @@ void print_delta_cube_methods(const std::string& folder) {
   const auto measured = read_json(folder + "/methods.json");
   const auto at_truth = read_json(folder + "/methods_truth.json");
   std::printf(
-      "\nModels on the joined data: A90 (mean, U90) in nm on the rows between the grid's\n"
+      "\nModels on the joined data: A90 (mean, S90) in nm on the rows between the grid's\n"
       "  %-31s%11s  %-13s%-24s%-24s\n",
       "", "parameters", "predecessors", "here: instruments", "here: truth");
   const std::map<std::string, std::pair<const char*, const char*>> words{

@@ -126,7 +126,7 @@ void print_linear_axis_proof(const std::string& folder) {
                            {"ten sensors", "ten", {}},
                            {"six sensors on the robot", "six", {}}};
   std::printf(
-      "\nA90 (mean, U90) in nm, target minus measured       where the axis came to rest            "
+      "\nA90 (mean, S90) in nm, target minus measured       where the axis came to rest            "
       "   "
       "holding error taken out\n");
   std::printf("%-28s%6s%8s   %-22s%-22s  %-22s%-22s\n", "", "points", "air", "interferometer",

@@ -68,7 +68,7 @@ void print_micro_nano_proof(const std::string& folder) {
   const TruthTable truth(folder + "/truth.csv");
   constexpr int kPublished_nm[] = {98, 81, 52};
   std::printf(
-      "\nA90 (mean, U90) in nm, target minus measured, pose coordinates\n  %-4s%9s   %-44s  %-22s\n"
+      "\nA90 (mean, S90) in nm, target minus measured, pose coordinates\n  %-4s%9s   %-44s  %-22s\n"
       "  %-4s%9s   %-22s%-22s  %-22s\n",
       "", "U90", "where the end-effector came to rest", "holding error taken out", "", "2011",
       "instruments", "truth", "instruments");

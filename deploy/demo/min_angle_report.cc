@@ -144,7 +144,7 @@ void print_parasitic(const std::string& folder, const TruthTable& truth) {
     int calibration_nm, validation_nm;
   };
   std::printf(
-      "\nTable 7.3, parasitic translations, U90 in nm (truth: A90 (mean, U90))\n"
+      "\nTable 7.3, parasitic translations, U90 in nm (truth: A90 (mean, S90))\n"
       "  %-4s%-14s%-30s%-30s\n",
       "", "", "calibration: 2011, here, truth", "  validation: 2011, here, truth");
   for (const Axis& axis : {Axis{"x", "x_nm", 390, 417}, Axis{"y", "y_nm", 293, 403}}) {
@@ -209,7 +209,7 @@ void print_min_angle_rectification(const std::string& folder) {
 
 void print_min_angle_tables(const std::string& folder) {
   const TruthTable truth(folder + "/truth.csv");
-  std::printf("\nA90 (mean, U90): wanted less measured, wanted less true\n");
+  std::printf("\nA90 (mean, S90): wanted less measured, wanted less true\n");
   print_head("Table 7.1, large stroke: 25 tilts up to 3 degrees at height 0, moved by model 1");
   print_poses(folder, "large_check", "large_check", {"200", "200", "5"}, truth);
   std::printf(

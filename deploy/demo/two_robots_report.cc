@@ -176,7 +176,7 @@ void print_two_robots_tables(const std::string& folder) {
   const auto by_geometry = places_in_truth(folder, "by_geometry", truth);
   constexpr int kPose_nm[] = {58, 75, 62};
   std::printf(
-      "\nTable 7.4, the Micro-Nano moved by its model, A90 (mean, U90) in nm: wanted less "
+      "\nTable 7.4, the Micro-Nano moved by its model, A90 (mean, S90) in nm: wanted less "
       "measured, "
       "wanted less true\n  %-4s%10s   %-26s%-26s%-26s\n",
       "", "2011, U90", "here: instruments", "here: truth", "truth, nominal geometry");
@@ -193,7 +193,7 @@ void print_two_robots_tables(const std::string& folder) {
   constexpr int kTerms[] = {11, 13, 10};
   std::printf("\nTable 7.5, its parasitic rotations by a model, arcsec\n  %-4s%20s%26s%20s   %s\n",
               "", "2011, U90 (terms)", "here, U90 fitted, between", "terms",
-              "truth: A90 (mean, U90)");
+              "truth: A90 (mean, S90)");
   for (std::size_t k = 0; k < 3; ++k) {
     const auto fit = read_json(folder + "/tool-" + kAngles[k] + ".json");
     const auto& output = fit.at("outputs").at(std::string("mn.") + kAngles[k]);

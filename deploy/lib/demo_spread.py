@@ -12,7 +12,7 @@ import re
 import statistics
 import sys
 
-FIGURE = r"(\d+\.\d) \([+-]\d+\.\d, (\d+\.\d)\)"  # A90 (mean, U90)
+FIGURE = r"(\d+\.\d) \([+-]\d+\.\d, (\d+\.\d)\)"  # A90 (mean, S90)
 
 
 def figures_of(name):
