@@ -29,8 +29,10 @@ SIZES = {
     "paired": {"null": 120, "single": 2, "pair": 28, "unlisted": 36, "units": 0},
     "night": {"null": 500, "single": 10, "pair": 50, "unlisted": 30, "units": 25},
     "full": {"null": 2000, "single": 40, "pair": 200, "unlisted": 120, "units": 100},
+    "nulls": {"null": 2000, "single": 0, "pair": 0, "unlisted": 0, "units": 0},
 }
-SEED_BASE = {"quick": 1000000, "paired": 1900000, "night": 2000000, "full": 3000000}
+SEED_BASE = {"quick": 1000000, "paired": 1900000, "night": 2000000, "full": 3000000,
+             "nulls": 5800000}
 # Strengths of singles (promise 95 and 98 %), pairs and unlisted effects.
 SINGLE_CHI2 = (75, 150)
 PAIR_CHI2 = 200
@@ -51,8 +53,8 @@ def orders(generator, size, seed_base):
     made = []
 
     def add(kind, k, total, **more):
-        # A seventh of the full count is on plans and robots that no other size ever uses.
-        reserved = size == "full" and k % 7 == 6
+        # A seventh of the two large counts is on plans and robots that no other size ever uses.
+        reserved = size in ("full", "nulls") and k % 7 == 6
         made.append({"kind": kind, "place": (k + 0.5) / total, "reserved": reserved, **more})
 
     for k in range(counts["null"]):
