@@ -4,6 +4,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
 #include <cmath>
+#include <random>
 
 namespace driftwise::statistics {
 
@@ -37,6 +38,26 @@ double CoverageCount::effective_targets() const {
   const double variance = clusters / (clusters - 1) * squares / (n * n);
   if (!(variance > 0)) return n;
   return std::min(n, p * (1 - p) / variance);
+}
+
+Interval CoverageCount::resampled(int collections) const {
+  if (campaigns_.size() < 2) return {};
+  std::mt19937_64 random(1);
+  std::uniform_int_distribution<std::size_t> any(0, campaigns_.size() - 1);
+  std::vector<double> rates;
+  for (int i = 0; i < collections; ++i) {
+    double hits = 0, targets = 0;
+    for (std::size_t k = 0; k < campaigns_.size(); ++k) {
+      const auto& campaign = campaigns_[any(random)];
+      hits += campaign.hits, targets += campaign.targets;
+    }
+    rates.push_back(hits / targets);
+  }
+  std::ranges::sort(rates);
+  const auto at = [&](double share) {
+    return rates[static_cast<std::size_t>(share * static_cast<double>(rates.size() - 1))];
+  };
+  return {at(0.025), at(0.975)};
 }
 
 Interval CoverageCount::clustered() const {

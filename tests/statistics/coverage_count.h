@@ -32,6 +32,9 @@ class CoverageCount {
   // variance of the campaigns' rates (Korn and Graubard 1998, with their t correction).
   Interval clustered() const;
   double effective_targets() const;
+  // Middle 95 % of the rates of so many collections of as many campaigns, each drawn from these
+  // with replacement (Efron's percentiles). The same campaigns give the same interval.
+  Interval resampled(int collections = 4000) const;
 
  private:
   struct Campaign {

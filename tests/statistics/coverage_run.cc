@@ -9,6 +9,26 @@
 namespace driftwise::statistics {
 namespace {
 
+// A normal error that u states rightly: the mean of |error| / u.
+constexpr double kMeanOfNormal = 0.798;
+
+void add_by_lead(const Served& served, std::size_t output, bool every, CoverageOfOutput& sum) {
+  for (auto& lead : sum.by_lead) {
+    std::int64_t hits = 0, targets = 0;
+    for (const auto& outcome : served.outcomes) {
+      if (!outcome.inside_domain || (!every && outcome.output != output) ||
+          outcome.since_zero_h < lead.from_h || outcome.since_zero_h >= lead.to_h)
+        continue;
+      const double ratio = std::abs(outcome.error_nm) / outcome.u_nm;
+      ++targets;
+      hits += ratio <= 2 ? 1 : 0;
+      lead.ratios += ratio;
+      lead.squares += ratio * ratio;
+    }
+    lead.inside.add_campaign(hits, targets);
+  }
+}
+
 void add_campaign(const Served& served, std::vector<CoverageOfOutput>& sums) {
   if (sums.empty()) {
     for (const auto& output : served.model.outputs) {
@@ -44,9 +64,45 @@ void add_campaign(const Served& served, std::vector<CoverageOfOutput>& sums) {
     all_targets += targets[o];
   }
   sums.back().inside.add_campaign(all_hits, all_targets);
+  for (std::size_t o = 0; o < sums.size(); ++o)
+    add_by_lead(served, o, o + 1 == sums.size(), sums[o]);
+}
+
+std::string table_by_lead(const CoverageOfOutput& output) {
+  char line[200];
+  std::snprintf(line, sizeof line,
+                "%s by hours since the zero (a normal error of the size that is stated: mean %.2f, "
+                "rms 1):\n"
+                "  since zero  campaigns  targets   within 2u  95 %% by campaign  mean |error|/u  "
+                "rms error/u\n",
+                output.channel.c_str(), kMeanOfNormal);
+  std::string out = line;
+  for (const auto& lead : output.by_lead) {
+    const auto targets = static_cast<double>(lead.inside.targets());
+    if (targets == 0) continue;
+    const auto interval = lead.inside.clustered();
+    std::snprintf(
+        line, sizeof line,
+        "  %4.1f .. %-4.1f  %8lld %8lld     %5.2f %%  %5.2f .. %5.2f %%  %14.3f  %11.3f\n",
+        lead.from_h, lead.to_h, static_cast<long long>(lead.inside.campaigns()),
+        static_cast<long long>(lead.inside.targets()), 100 * lead.inside.rate(), 100 * interval.low,
+        100 * interval.high, lead.ratios / targets, std::sqrt(lead.squares / targets));
+    out += line;
+  }
+  return out;
 }
 
 }  // namespace
+
+std::vector<CoverageByLead> lead_classes() {
+  std::vector<CoverageByLead> out;
+  for (const double from_h : {0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
+    out.emplace_back();
+    out.back().from_h = from_h;
+    out.back().to_h = from_h == 0 ? 0.5 : 2 * from_h;
+  }
+  return out;
+}
 
 double CoverageOfOutput::rms_ratio() const {
   return inside.targets() == 0 ? 0 : std::sqrt(squares / static_cast<double>(inside.targets()));
@@ -122,7 +178,11 @@ std::string coverage_table(const std::vector<CoverageOfOutput>& outputs) {
     }
     out += "\n";
   }
-  return out;
+  const auto& all = outputs.back();
+  const auto resampled = all.inside.resampled();
+  std::snprintf(line, sizeof line, "all, 95 %% by resampling whole campaigns: %5.2f .. %5.2f %%\n",
+                100 * resampled.low, 100 * resampled.high);
+  return out + line + table_by_lead(all);
 }
 
 }  // namespace driftwise::statistics

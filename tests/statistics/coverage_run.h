@@ -11,6 +11,14 @@
 
 namespace driftwise::statistics {
 
+// Targets by how long after the zero they were asked for.
+struct CoverageByLead {
+  double from_h = 0, to_h = 0;  // from_h is inside, to_h is not
+  CoverageCount inside;
+  double ratios = 0, squares = 0;  // sums of |error| / u and of its square
+};
+std::vector<CoverageByLead> lead_classes();
+
 struct CoverageOfOutput {
   std::string channel;
   CoverageCount inside;                                              // targets inside the domain
@@ -18,6 +26,7 @@ struct CoverageOfOutput {
   double squares = 0;                                                // sum of (error / u)^2
   double error_nm2 = 0;                                              // sum of error^2
   std::array<double, compensation::kUncertaintySources> line_nm2{};  // sums of the budget's lines
+  std::vector<CoverageByLead> by_lead = lead_classes();
   double rms_ratio() const;  // of error to standard uncertainty: 1 when the budget is right
 };
 

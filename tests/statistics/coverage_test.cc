@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/statistics/coverage_run.h"
+#include "tests/statistics/linear_axis_case.h"
 #include "tests/statistics/micro_nano_case.h"
 
 namespace driftwise::statistics {
@@ -31,6 +32,30 @@ TEST(CoverageCount, IsWiderByCampaignWhereCampaignsDiffer) {
   const auto width = [](const Interval& interval) { return interval.high - interval.low; };
   EXPECT_GT(width(apart.clustered()), 2 * width(apart.per_target()));
   EXPECT_LT(width(alike.clustered()), 1.1 * width(alike.per_target()));
+}
+
+TEST(CoverageCount, ResamplesWholeCampaigns) {
+  CoverageCount alike, apart;
+  for (int i = 0; i < 40; ++i) {
+    alike.add_campaign(95, 100);
+    apart.add_campaign(i % 4 == 0 ? 80 : 100, 100);
+  }
+  EXPECT_DOUBLE_EQ(alike.resampled().low, 0.95);
+  EXPECT_DOUBLE_EQ(alike.resampled().high, 0.95);
+  // A mean of 40 campaigns, each 80 or 100 %: its standard deviation is 8.66 / 40^(1/2) = 1.37 %.
+  EXPECT_NEAR(apart.resampled().low, 0.95 - 1.96 * 0.0137, 0.004);
+  EXPECT_NEAR(apart.resampled().high, 0.95 + 1.96 * 0.0137, 0.004);
+}
+
+TEST(CoverageByLead, HasEveryTargetOfAnOutputOnce) {
+  const auto outputs = run_coverage(linear_axis_case, 1, 2, 1, [](int, const auto&) {});
+  for (const auto& output : outputs) {
+    std::int64_t targets = 0;
+    for (const auto& lead : output.by_lead) targets += lead.inside.targets();
+    EXPECT_EQ(targets, output.inside.targets());
+  }
+  EXPECT_GT(outputs.back().by_lead[0].inside.targets(), 0);
+  EXPECT_EQ(outputs.back().by_lead.back().inside.targets(), 0);  // a campaign of 3.8 h
 }
 
 TEST(Coverage, OfTheExpandedUncertaintyIs93To97PercentOnTheMicroNano) {

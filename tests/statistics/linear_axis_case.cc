@@ -68,6 +68,7 @@ LinearAxisMachine linear_axis_machine(std::uint64_t seed, const std::string& sch
   if (!cell) throw std::runtime_error(cell.error().message);
   out.cell = std::move(*cell);
   out.formula = "q1 ~ x + x^2 + t05..t10";  // the sensors on the robot: what may be served to it
+  out.zero_at = CellTime{kAxisEpoch} + nanoseconds_from_s(campaign.zero_s);
   auto& data = out.dataset;
   data.rows = campaign.rows.size();
   data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}};

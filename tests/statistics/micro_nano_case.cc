@@ -98,6 +98,7 @@ SimulatedCase micro_nano_case_with(std::uint64_t seed, const std::vector<std::st
   options.overrides.insert(options.overrides.end(), overrides.begin(), overrides.end());
   testing_support::MicroNanoSession session(DRIFTWISE_SOURCE_DIR, options);
   SimulatedCase out;
+  out.zero_at = kRobotEpoch + nanoseconds_from_s(session.now_s());
   out.cell = micro_nano_cell();
   out.formula = "q ~ poly(x, y, z, 3) + F + F^2 + F^3 + t04..t10 + (F + t04):poly(x, y, z, 2)";
   std::uniform_real_distribution<double> inside(0.0, 2.5);

@@ -40,6 +40,9 @@ Served serve_and_judge(const SimulatedCase& simulated) {
            .output = o,
            .error_nm = nm_from_mm(target.q_mm[o] - asked.q_mm[o]),
            .u_nm = target.u_nm[o],
+           .since_zero_h =
+               std::chrono::duration<double, std::ratio<3600>>(asked.at - simulated.zero_at)
+                   .count(),
            .inside_domain = (target.flags & compensation::kOutsideDomain) == 0,
            .budget = compensation::compute_budget(snapshot, asked.true_pose, o)});
   }

@@ -27,11 +27,13 @@ struct SimulatedCase {
   std::vector<JudgedTarget> targets;
   CellDescription cell;
   std::string formula;
+  CellTime zero_at{};  // of the lengths, from which the poses count
 };
 
 struct Outcome {  // of one target and one motor coordinate
   std::size_t target = 0, output = 0;
   double error_nm = 0, u_nm = 0;
+  double since_zero_h = 0;
   bool inside_domain = true;
   compensation::Budget budget;
 };

@@ -67,6 +67,7 @@ Campaign run_plant_campaign(LinearAxisPlant& plant, TimeNs epoch, const Campaign
   double time_s = 0;
   plant.start_reference(0, epoch);
   time_s += 15;
+  campaign.zero_s = time_s;
   plant.zero_length(0, epoch + ns(time_s));
   campaign.zero_end_effector_nm = plant.truth(epoch + ns(time_s)).end_effector_nm;
   for (int pass = 0; pass < options.passes; ++pass) {

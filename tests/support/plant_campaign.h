@@ -37,7 +37,8 @@ struct Campaign {
   std::vector<CampaignRow> rows;
   std::vector<double> group_std_nm;  // of every group, also of those read again
   int rejected_groups = 0;
-  double zero_end_effector_nm = 0;  // the truth at the interferometer's zero
+  double zero_s = 0;                // of the interferometer, since the epoch
+  double zero_end_effector_nm = 0;  // the truth then
 };
 
 Campaign run_plant_campaign(simulated::LinearAxisPlant& plant, simulated::TimeNs epoch,
