@@ -152,9 +152,11 @@ void add_held_out(const Design& design, const Dataset& dataset, const Eigen::Vec
       output.held_out[design.rows[i]] = blocks->errors[i];
 }
 
-void add_serial_errors(const Design& design, const Eigen::VectorXd& residuals,
-                       const Selection& selection, const Solution& solution, OutputModel& output) {
-  if (selection.exact) return;  // rounding errors are no series
+// The noise of the rows.
+NoiseSpectrum add_serial_errors(const Design& design, const Eigen::VectorXd& residuals,
+                                const Selection& selection, const Solution& solution,
+                                OutputModel& output) {
+  if (selection.exact) return {};  // rounding errors are no series
   SerialErrors errors = serial_errors(design, solution, residuals);
   output.covariance_serial = std::move(errors.covariance);
   output.accuracy.slow_share = errors.noise.share;
@@ -162,6 +164,8 @@ void add_serial_errors(const Design& design, const Eigen::VectorXd& residuals,
   Index in = 0;
   for (auto& report : output.report)
     if (report.in) report.standard_error_serial = errors.standard_errors[in++];
+  output.noise_variance = errors.spectrum.variance();
+  return std::move(errors.spectrum);
 }
 
 std::vector<ChannelRange> domain_of(const Design& design, const Dataset& dataset,
@@ -302,8 +306,9 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
         predicted.output;
     const Eigen::VectorXd residuals = values_at(errors, design.rows);
     add_accuracy(design, residuals, solution, static_cast<Index>(o), output.accuracy);
-    add_serial_errors(design, residuals, selection, solution, output);
-    DRIFTWISE_RETURN_IF_ERROR(add_influences(dataset, design.rows, options.weight_symbol, output));
+    const auto noise = add_serial_errors(design, residuals, selection, solution, output);
+    DRIFTWISE_RETURN_IF_ERROR(
+        add_influences(dataset, design.rows, options.weight_symbol, noise, output));
     const auto validation = validation_rows(design, dataset, errors, no_datum);
     output.accuracy.validation_sets = by_validation_set(errors, validation, options.set_names);
     add_held_out(design, dataset, errors, validation, held_out[o], output);

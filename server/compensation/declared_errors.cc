@@ -104,7 +104,8 @@ std::vector<DeclaredError> declared_errors(const CellDescription& cell,
     if (weight == 0) continue;
     // The reading at the zero: every pose since has its error.
     if (device.length()->u_length_nm > 0)
-      out.push_back({UncertaintySource::laser, axis, "1", weight * device.length()->u_length_nm});
+      out.push_back(
+          {UncertaintySource::laser, axis, "1", weight * device.length()->u_length_nm, true, true});
     if (device.length()->u_drift_nm_per_h != 0)
       out.push_back(
           {UncertaintySource::drift, axis, "h", weight * device.length()->u_drift_nm_per_h});
@@ -119,7 +120,7 @@ std::vector<DeclaredError> declared_errors(const CellDescription& cell,
     const auto* coordinate = stated(cell, rotation, measured_by);
     const double u =
         coordinate ? constant_error(cell, *coordinate) : reading_noise(cell, rotation, {});
-    if (u > 0) out.push_back({UncertaintySource::tilts, rotation, "1", u});
+    if (u > 0) out.push_back({UncertaintySource::tilts, rotation, "1", u, true, true});
   }
   if (cell.load && cell.load->u_n > 0)
     out.push_back({UncertaintySource::force, "force", "1", cell.load->u_n, false});

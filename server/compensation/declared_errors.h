@@ -21,6 +21,7 @@ struct DeclaredError {
   double u = 0;
   // An error of the zero's own reading as well, so that a datum carried to its zero is free of it.
   bool shared_with_zero = true;
+  bool is_reading_at_zero = false;  // drawn from the noise that the rows have as well
 };
 
 using MeasuredCoordinates = std::vector<MeasuredBy>;

@@ -100,6 +100,7 @@ void change_scatter(calibration::Model& model, const CellDescription& before,
     output.accuracy.rmse *= std::sqrt(ratio);
     output.covariance *= ratio;
     output.covariance_serial *= ratio;
+    output.noise_variance *= ratio;
   }
 }
 

@@ -76,6 +76,8 @@ class SnapshotBuilder {
     UncertaintySource source;
     Eigen::VectorXd shift;
     bool shared_with_zero = true;
+    Eigen::VectorXd in_rows{};  // of a reading at the zero: what the rows' noise has of it, which
+                                // is in the covariance; empty: nothing
   };
   struct Output {
     Channel channel;         // q1_mm
@@ -122,6 +124,8 @@ class SnapshotBuilder {
                        Output& output) const;
   // Of every output, from the residuals of all.
   void add_own_scatter(const CellDescription& cell);
+  // How much of the readings at the zero the rows' noise has. noise_nm2: of the instruments.
+  static void share_noise(const calibration::OutputModel& from, double noise_nm2, Output& output);
   Result<Term> split(const effects::Term& term);
   Result<void> add_fast_input(const Channel& channel, const calibration::ChannelRange& range);
   const calibration::ChannelRange* domain_of(const std::string& symbol) const;

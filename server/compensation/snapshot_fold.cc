@@ -71,10 +71,19 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
   for (const Wide value : thermal)
     out.thermal_mm.push_back(static_cast<double>(value * model.mm_per_unit));
 
+  // In the model's own datum the zero's reading is a draw of the noise that the rows have: what
+  // they share counts once, with the reading.
+  std::vector<const Systematic*> at_own_zero;
+  if (!datum)
+    for (const auto& error : model.systematics)
+      if (error.in_rows.size() > 0) at_own_zero.push_back(&error);
   Form fit(size);
   for (std::size_t k = 0; k < terms; ++k)
     for (std::size_t l = 0; l < terms; ++l) {
-      const Wide c = model.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(l));
+      const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(l);
+      Wide c = model.covariance(row, column);
+      for (const auto* error : at_own_zero)
+        c -= static_cast<Wide>(error->in_rows[row]) * error->in_rows[column];
       const std::size_t m = model.terms[k].basis, n = model.terms[l].basis;
       fit.add(m, n, c * slow[k] * slow[l]);
       fit.add(m, 0, -c * slow[k] * at_zero[l]);
@@ -130,8 +139,14 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
     }
     add_root(UncertaintySource::temperatures, slope, now.u_systematic[j]);
   }
-  for (const auto& error : model.systematics)
-    add_root(error.source, folded(error.shift, datum != nullptr && error.shared_with_zero), 1);
+  for (const auto& error : model.systematics) {
+    auto root = folded(error.shift, datum != nullptr && error.shared_with_zero);
+    if (!datum && error.in_rows.size() > 0) {
+      const auto in_rows = folded(error.in_rows, false);
+      for (std::size_t m = 0; m < size; ++m) root[m] -= in_rows[m];
+    }
+    add_root(error.source, root, 1);
+  }
   // A carried datum adds the reading of its own zero.
   out.lines.push_back(
       {UncertaintySource::scale, {model.u_scale_nm * model.u_scale_nm * zeros}, {}});

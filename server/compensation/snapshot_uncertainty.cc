@@ -1,6 +1,7 @@
 // What the cell declares, put into the model's own coefficients: each declared error of a channel
 // moved the fit, and its influence says by how much.
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -37,6 +38,13 @@ Eigen::VectorXd served(const Eigen::VectorXd& shift, const std::vector<effects::
   for (std::size_t k = 0; k < terms.size(); ++k)
     if (!effects::datum_of(terms[k])) kept.push_back(static_cast<Eigen::Index>(k));
   return shift(kept);
+}
+
+const calibration::Influence* influence_of(const calibration::OutputModel& output,
+                                           const std::string& channel, const std::string& by) {
+  const auto found = std::ranges::find_if(
+      output.influences, [&](const auto& one) { return one.channel == channel && one.by == by; });
+  return found == output.influences.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -83,7 +91,11 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
       const double size = error.u * own_units(influence.channel) * base_units(influence.by);
       Eigen::VectorXd shift = served(influence.shift, from.terms) * size;
       if (error.source != UncertaintySource::drift) {
-        output.systematics.push_back({error.source, std::move(shift), error.shared_with_zero});
+        auto& added = output.systematics.emplace_back(
+            Systematic{error.source, std::move(shift), error.shared_with_zero});
+        if (const auto* kept = influence_of(from, influence.channel, "zero");
+            error.is_reading_at_zero && kept != nullptr)
+          added.in_rows = served(kept->shift, from.terms) * size;
         continue;
       }
       // One cause, so one error: with their signs, before squaring.
@@ -103,6 +115,7 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
 void SnapshotBuilder::add_own_scatter(const CellDescription& cell) {
   for (const bool angles : {false, true}) {
     std::vector<Output*> alike;
+    std::vector<const calibration::OutputModel*> fitted;
     std::vector<Scatter> scatter;
     for (auto& output : outputs_)
       for (const auto& from : model_.outputs) {
@@ -110,13 +123,33 @@ void SnapshotBuilder::add_own_scatter(const CellDescription& cell) {
           continue;
         const double residual_nm = from.accuracy.rmse * nm_per_unit(from.channel);
         alike.push_back(&output);
+        fitted.push_back(&from);
         scatter.push_back({residual_nm * residual_nm,
                            instrument_noise_nm2(from, cell, model_.lineage.measured_by),
                            variance_dof(from)});
       }
     const auto own_nm2 = own_variances(scatter);
-    for (std::size_t i = 0; i < alike.size(); ++i) alike[i]->unfollowed_nm = std::sqrt(own_nm2[i]);
+    for (std::size_t i = 0; i < alike.size(); ++i) {
+      alike[i]->unfollowed_nm = std::sqrt(own_nm2[i]);
+      share_noise(*fitted[i], scatter[i].noise2, *alike[i]);
+    }
   }
+}
+
+// Of the rows' noise the instruments have what the robot's own scatter leaves, and not more than
+// they are declared to have. Their correlation with the zero's reading is that share of the noise.
+void SnapshotBuilder::share_noise(const calibration::OutputModel& from, double noise_nm2,
+                                  Output& output) {
+  const double unit_nm2 = std::pow(nm_per_unit(from.channel), 2);
+  const double all_nm2 = from.noise_variance * unit_nm2,
+               residual_nm2 = std::pow(from.accuracy.rmse, 2) * unit_nm2;
+  if (!(all_nm2 > 0) || !(residual_nm2 > 0) || !(noise_nm2 > 0)) {
+    for (auto& error : output.systematics) error.in_rows.resize(0);
+    return;
+  }
+  const double own = std::min(1.0, std::pow(output.unfollowed_nm, 2) / residual_nm2);
+  const double instruments_nm2 = std::min(noise_nm2, all_nm2 * (1 - own));
+  for (auto& error : output.systematics) error.in_rows *= instruments_nm2 / noise_nm2;
 }
 
 }  // namespace driftwise::compensation

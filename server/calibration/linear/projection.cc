@@ -37,7 +37,8 @@ Excerpt::Excerpt(const Dataset& dataset, const std::vector<std::size_t>& rows,
     for (const auto& column : dataset.columns) data_.columns.push_back({column.channel, {}});
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t row = rows[i * rows.size() / count];
+    const std::size_t place = i * rows.size() / count, row = rows[place];
+    place_.push_back(static_cast<Index>(place));
     rows_.push_back(static_cast<Index>(whole ? row : i));
     datum_.push_back(datums[row]);
     if (!dataset.time_s.empty()) time_s_.push_back(dataset.time_s[row]);

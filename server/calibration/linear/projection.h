@@ -29,13 +29,15 @@ class Excerpt {
   // Columns in degC with a value in every row.
   std::vector<const DatasetColumn*> thermometers() const;
   Eigen::VectorXd values(const DatasetColumn& column) const;
+  // Of row i among those of the fit, in order.
+  Eigen::Index place(Eigen::Index i) const { return place_[static_cast<std::size_t>(i)]; }
   // Row by row; time_s: empty when the data have no times.
   const std::vector<double>& time_s() const { return time_s_; }
   const std::vector<double>& datum() const { return datum_; }
 
  private:
   Dataset data_;
-  std::vector<Eigen::Index> rows_;
+  std::vector<Eigen::Index> rows_, place_;
   std::vector<double> time_s_, datum_;
 };
 

@@ -88,7 +88,8 @@ struct Influence {
   std::string channel;  // in error: "x_mm", "t07_degC"
   std::string by;       // what the error goes with, row by row: "1" (an offset), "y_mm",
                         // "ry_arcsec", "h" (hours since the zero), "t04_degC" (kelvin
-                        // since the zero)
+                        // since the zero), "zero" (the reading at the zero, as
+                        // far as the rows still have its error)
   double rms = 0;       // of the error that 1 of it makes in the output, over the calibration rows
   Eigen::VectorXd shift;  // of the coefficients, for 1 of it; output's unit
 };
@@ -104,6 +105,8 @@ struct OutputModel {
   Accuracy accuracy;
   Eigen::MatrixXd covariance_serial;  // allowing for rows that are not independent
                                       // (serial_errors.h); empty: not known
+  double noise_variance = 0;  // of one row, with what the terms took up of it (noise_spectrum.h);
+                              // column unit squared; 0: not known
   std::vector<Influence> influences;
   // Per row of the dataset, column unit: the residual of a row marked validation, the error of a
   // calibration row as predicted without its block of time; NaN where a row has neither. What

@@ -65,7 +65,6 @@ SerialErrors serial_errors(const Design& design, const Solution& solution,
   const Eigen::VectorXd scaled = times_root_of_weights(design, residuals);
   const auto stretches = stretches_of(scaled.size());
   Eigen::MatrixXd together = Eigen::MatrixXd::Zero(k, k), apart = together;
-  NoiseSpectrum spectrum;
   for (const auto& stretch : stretches) {
     const Eigen::MatrixXd z = orthonormal(design, solution, stretch);
     if (&stretch == &stretches.front()) {
@@ -75,16 +74,16 @@ SerialErrors serial_errors(const Design& design, const Solution& solution,
       const Eigen::VectorXd series = whole ? scaled : joined(scaled, stretches);
       const Eigen::MatrixXd columns = whole ? z : Eigen::MatrixXd(series.size(), 0);
       errors.noise = serial_noise(columns, series);
-      spectrum = noise_spectrum(columns, series, stretch.rows);
+      errors.spectrum = noise_spectrum(columns, series, stretch.rows);
     }
-    together += noise_gram(z, spectrum);
+    together += noise_gram(z, errors.spectrum);
     apart += z.transpose() * z;
   }
   for (Index j = 0; j < k; ++j) {
     const auto row = solution.root.row(j);
     const double plain = row * apart * row.transpose();
     const double ratio =
-        plain > 0 ? (row * together * row.transpose()).value() / plain : spectrum.variance();
+        plain > 0 ? (row * together * row.transpose()).value() / plain : errors.spectrum.variance();
     errors.standard_errors[j] = std::sqrt(row.squaredNorm() * std::max(ratio, 0.0));
   }
   if (stretches.size() == 1) {

@@ -13,12 +13,14 @@
 
 #include "server/calibration/design/design.h"
 #include "server/calibration/linear/solution.h"
+#include "server/calibration/noise/noise_spectrum.h"
 #include "server/calibration/noise/serial_noise.h"
 
 namespace driftwise::calibration {
 
 struct SerialErrors {
   SerialNoise noise;                // the best single slow part, as a description of the residuals
+  NoiseSpectrum spectrum;           // what the errors below are under
   Eigen::VectorXd standard_errors;  // of solution.coefficients, same order
   Eigen::MatrixXd covariance;  // the same, whole: each error's factor on the classical one where
                                // not all rows were looked at

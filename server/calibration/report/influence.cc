@@ -61,11 +61,24 @@ Eigen::VectorXd since_zero(const Excerpt& rows, const Values& values) {
   return change;
 }
 
+// Correlation of each row's noise with that of the row before the first: the zero's.
+Eigen::VectorXd kept_since_zero(const Excerpt& rows, const NoiseSpectrum& noise) {
+  Eigen::VectorXd kept = Eigen::VectorXd::Zero(rows.size());
+  for (const auto& part : noise.slow)
+    for (Index i = 0; i < kept.size(); ++i)
+      kept[i] += part.variance / noise.variance() *
+                 std::exp(-static_cast<double>(rows.place(i) + 1) / part.rows);
+  return kept;
+}
+
 // By what an error of this channel may vary from row to row.
 std::vector<std::pair<std::string, Eigen::VectorXd>> shapes(const Excerpt& rows,
+                                                            const NoiseSpectrum& noise,
                                                             const std::string& symbol) {
   std::vector<std::pair<std::string, Eigen::VectorXd>> out = {
       {"1", Eigen::VectorXd::Ones(rows.size())}};
+  if (is_pose_symbol(without_robot(symbol)) && noise.variance() > 0)
+    out.emplace_back("zero", kept_since_zero(rows, noise));
   if (!is_pose_length(symbol)) return out;
   for (const char* by : {"x", "y", "z", "rx", "ry", "rz"}) {
     const auto* column = rows.find(beside(symbol, by));
@@ -90,6 +103,7 @@ std::vector<std::string> symbols_in(const OutputModel& output) {
 }  // namespace
 
 Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,
+                                             const NoiseSpectrum& noise,
                                              const OutputModel& output) {
   std::vector<Influence> out;
   for (const auto& symbol : symbols_in(output)) {
@@ -100,7 +114,7 @@ Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projecti
         lower,
         Eigen::Map<const Eigen::VectorXd>(derivative.coefficients.data(),
                                           static_cast<Index>(derivative.coefficients.size())));
-    for (const auto& [by, shape] : shapes(rows, symbol)) {
+    for (const auto& [by, shape] : shapes(rows, noise, symbol)) {
       const Eigen::VectorXd error = slope.cwiseProduct(shape);
       out.push_back({rows.find(symbol)->channel.name(), by,
                      std::sqrt(error.squaredNorm() / static_cast<double>(error.size())),
@@ -111,7 +125,8 @@ Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projecti
 }
 
 Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_t>& rows,
-                            const std::string& weight_symbol, OutputModel& output) {
+                            const std::string& weight_symbol, const NoiseSpectrum& noise,
+                            OutputModel& output) {
   constexpr std::size_t kEnough = 4000;
   if (rows.size() <= output.terms.size()) return {};
   const Excerpt excerpt(dataset, rows, output, kEnough);
@@ -119,7 +134,7 @@ Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_
   const auto* weights = weight_symbol.empty() ? nullptr : excerpt.find(weight_symbol);
   const Projection projection(std::move(columns), output.terms,
                               weights == nullptr ? Eigen::VectorXd() : excerpt.values(*weights));
-  DRIFTWISE_TRY(auto influences, influences_of(excerpt, projection, output));
+  DRIFTWISE_TRY(auto influences, influences_of(excerpt, projection, noise, output));
   output.influences = std::move(influences);
   return {};
 }

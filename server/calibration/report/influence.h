@@ -14,21 +14,24 @@
 
 #include "server/calibration/linear/projection.h"
 #include "server/calibration/model/model.h"
+#include "server/calibration/noise/noise_spectrum.h"
 
 namespace driftwise::calibration {
 
 // For every pose coordinate the output reads (x, y, z): an offset ("1"), a factor and the leakage
 // of its neighbours ("x_mm" ..), the lever arms ("rx_arcsec" ..) as far as the data have them, a
 // steady drift since the zero of the datum ("h", hours) and one that goes with a thermometer since
-// then ("t04_degC", K). For the force and every other channel of
-// a term (temperatures): an offset. Channels under an effect with memory count as constants there.
-// Errors: those of raw_columns.
+// then ("t04_degC", K). Of every pose coordinate, with noise: the error of the reading at the zero,
+// which the rows have as far as the noise keeps it ("zero"): noise's correlation with the row
+// before the first. For the force and every other channel of a term (temperatures): an offset.
+// Channels under an effect with memory count as constants there. Errors: those of raw_columns.
 Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,
-                                             const OutputModel& output);
+                                             const NoiseSpectrum& noise, const OutputModel& output);
 
 // Fills output.influences. rows: of the calibration, in time order; at most about 4000 of them are
 // looked at, evenly spread: there is no noise to average. Errors: as above.
 Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_t>& rows,
-                            const std::string& weight_symbol, OutputModel& output);
+                            const std::string& weight_symbol, const NoiseSpectrum& noise,
+                            OutputModel& output);
 
 }  // namespace driftwise::calibration

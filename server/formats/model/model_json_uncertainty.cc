@@ -55,6 +55,7 @@ Eigen::MatrixXd read_matrix(const JsonPlace& from, std::size_t count) {
 void write_uncertainty(const calibration::OutputModel& output, Json& out) {
   if (output.covariance_serial.size() > 0)
     out["covariance_serial"] = matrix_json(output.covariance_serial);
+  if (output.noise_variance > 0) out["noise_variance"] = output.noise_variance;
   if (output.influences.empty()) return;
   auto& influences = out["influences"] = Json::array();
   for (const auto& influence : output.influences) influences.push_back(influence_json(influence));
@@ -63,6 +64,7 @@ void write_uncertainty(const calibration::OutputModel& output, Json& out) {
 void read_uncertainty(const JsonPlace& from, std::size_t terms, calibration::OutputModel& output) {
   if (from.has("covariance_serial"))
     output.covariance_serial = read_matrix(from["covariance_serial"], terms);
+  if (from.has("noise_variance")) output.noise_variance = from["noise_variance"].finite();
   if (!from.has("influences")) return;
   const auto influences = from["influences"];
   for (std::size_t i = 0; i < influences.size(); ++i)

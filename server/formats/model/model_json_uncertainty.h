@@ -13,8 +13,8 @@ nlohmann::ordered_json matrix_json(const Eigen::MatrixXd& matrix);
 // count x count, before room is made: the text itself bounds the memory. Throws JsonProblem.
 Eigen::MatrixXd read_matrix(const JsonPlace& from, std::size_t count);
 
-// covariance_serial, influences; each absent where the model has none, as one stored
-// by 0.1 does.
+// covariance_serial, noise_variance, influences; each absent where the model has none, as one
+// stored by 0.1 does.
 void write_uncertainty(const calibration::OutputModel& output, nlohmann::ordered_json& out);
 void read_uncertainty(const JsonPlace& from, std::size_t terms, calibration::OutputModel& output);
 

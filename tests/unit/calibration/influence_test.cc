@@ -139,12 +139,37 @@ TEST(Influence, DoesNotDependOnHowManyRowsAreLookedAt) {
   const auto columns = rows.columns(model.outputs[0].terms);
   ASSERT_TRUE(columns);
   const auto fewer =
-      influences_of(rows, Projection(*columns, model.outputs[0].terms, {}), model.outputs[0]);
+      influences_of(rows, Projection(*columns, model.outputs[0].terms, {}), {}, model.outputs[0]);
   ASSERT_TRUE(fewer);
   const auto& a = influence_of(model.outputs[0], "x_mm", "x_mm").shift;
   OutputModel from_fewer;
   from_fewer.influences = *fewer;
   EXPECT_LT((influence_of(from_fewer, "x_mm", "x_mm").shift - a).norm(), 1e-3 * a.norm());
+}
+
+// The reading at the zero against rows whose noise forgets it, keeps it, and keeps half of it.
+TEST(Influence, OfTheZeroIsWhatTheNoiseOfTheRowsKeepsOfIt) {
+  const Dataset data = make_campaign({.rows = 400});
+  const auto model = fitted_all(data, "q1 ~ x + x^2 + t01");
+  const auto& output = model.outputs[0];
+  std::vector<std::size_t> all(data.rows);
+  for (std::size_t i = 0; i < data.rows; ++i) all[i] = i;
+  const Excerpt rows(data, all, output, data.rows);
+  const auto columns = rows.columns(output.terms);
+  ASSERT_TRUE(columns);
+  const Projection projection(*columns, output.terms, {});
+  const auto shift = [&](const NoiseSpectrum& noise, const char* by) {
+    OutputModel out;
+    out.influences = *influences_of(rows, projection, noise, output);
+    return influence_of(out, "x_mm", by).shift;
+  };
+  constexpr double kForever = 1e9, kAtOnce = 1e-3;  // rows
+  const Eigen::VectorXd whole = shift({}, "1");
+  EXPECT_LT((shift({.white = 0, .slow = {{kForever, 4}}}, "zero") - whole).norm(),
+            1e-5 * whole.norm());
+  EXPECT_LT((shift({.white = 4, .slow = {{kForever, 4}}}, "zero") - whole / 2).norm(),
+            1e-5 * whole.norm());
+  EXPECT_LT(shift({.white = 0, .slow = {{kAtOnce, 4}}}, "zero").norm(), 1e-9 * whole.norm());
 }
 
 }  // namespace

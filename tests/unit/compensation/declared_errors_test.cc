@@ -96,6 +96,114 @@ TEST(DeclaredErrors, OfTheLengthAtTheZeroPassThroughTheJacobian) {
               std::hypot(1.01 * 5, 0.02 * 5, 0.4 * 10), 0.01);
 }
 
+CellDescription axis_with_laser(double u_length_nm) {
+  auto cell = axis_cell();
+  auto& laser = cell.devices.emplace_back();
+  laser.id = "laser-x";
+  laser.become<LengthSettings>().channel = {"x", "mm"};
+  laser.become<LengthSettings>().u_length_nm = u_length_nm;
+  return cell;
+}
+
+// By hand: the noise of the rows has 0.4 of the error of the reading at the zero.
+calibration::Model model_with_noise(double kept) {
+  auto model = axis_model();
+  auto& q1 = model.outputs[0];
+  q1.covariance_serial = Eigen::MatrixXd::Zero(5, 5);
+  q1.covariance_serial(0, 0) = 1e-10;  // (10 nm)^2, mm^2
+  q1.noise_variance = 8e-11;
+  const Eigen::VectorXd constant = Eigen::VectorXd::Unit(5, 0);
+  q1.influences = {{"x_mm", "1", 1, constant}, {"x_mm", "zero", 0.5, kept * constant}};
+  return model;
+}
+
+TEST(DeclaredErrors, OfTheReadingAtTheZeroCountOnceWithTheNoiseThatTheRowsHaveOfIt) {
+  const auto budget = budget_at(model_with_noise(0.4), axis_with_laser(10), 1, 0, 0);
+  // Of the rows' 80 nm^2 the instruments have what is not the robot's own; they are declared with
+  // 10^2 + 3^2 nm^2.
+  const double own_nm2 = std::pow(line_of(budget, UncertaintySource::residual), 2);
+  const double instruments_nm2 = 80 * (1 - own_nm2 / 64);
+  const double in_rows_nm = 10 * 0.4 * instruments_nm2 / 109;
+  EXPECT_NEAR(line_of(budget, UncertaintySource::laser), 10 - in_rows_nm, 1e-9);
+  EXPECT_NEAR(line_of(budget, UncertaintySource::fit), std::sqrt(100 - in_rows_nm * in_rows_nm),
+              1e-9);
+}
+
+TEST(DeclaredErrors, OfTheReadingAtTheZeroChangeNothingAfterAnotherZero) {
+  const auto u_nm = [](double kept) {
+    auto model = model_with_noise(kept);
+    auto& q1 = model.outputs[0];
+    q1.covariance_serial(3, 3) = 1e-10;
+    q1.influences[1].shift[3] = kept * 5e-1;
+    auto builder = SnapshotBuilder::create(model, ModelId{1}, axis_with_laser(10));
+    EXPECT_TRUE(builder) << builder.error().message;
+    const std::vector<ChannelValue> then = {{"q1_mm", 1.02}, {"t07_degC", 20.5}};
+    const std::vector<ChannelValue> now = {{"t07_degC", 21.5}};
+    builder->observe(then, kThen);
+    EXPECT_TRUE(builder->anchor(then));
+    builder->observe(now, kThen);
+    TargetRequest request;
+    request.set(Variable::x, 1);
+    return compute_target(builder->build(kThen), request).u_nm[0];
+  };
+  EXPECT_DOUBLE_EQ(u_nm(0.4), u_nm(0));
+}
+
+// Slow noise of a fifth of the campaign's length, in the rows and in the zero that they count from,
+// against the two lines that state it. They are still wider than the error: the residuals leave
+// more slow noise possible than there is.
+TEST(DeclaredErrors, OfTheReadingAtTheZeroAreStatedNearerWhereTheNoiseIsSlow) {
+  constexpr int kCampaigns = 300, kRows = 400;
+  constexpr double kSlow_nm = 7, kWhite_nm = 3;
+  double squares = 0, squares_if_independent = 0;
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (int campaign = 0; campaign < kCampaigns; ++campaign) {
+    const double phi = std::exp(-5.0 / kRows);
+    double slow_nm = kSlow_nm * normal(random);
+    const double at_zero_nm = slow_nm + kWhite_nm * normal(random);
+    Dataset data;
+    data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}, {{"t07", "degC"}, {}}};
+    for (int i = 0; i < kRows; ++i) {
+      slow_nm = phi * slow_nm + std::sqrt(1 - phi * phi) * kSlow_nm * normal(random);
+      const double x = i % 7 - 3, t = 21 + 0.5 * std::sin(0.5 * i);
+      const double error_nm = slow_nm + kWhite_nm * normal(random) - at_zero_nm;
+      data.columns[0].values.push_back(x + 1e-4 * (t - 21));
+      data.columns[1].values.push_back(x + 1e-6 * error_nm);
+      data.columns[2].values.push_back(t);
+      ++data.rows;
+    }
+    calibration::FitOptions options;
+    options.select = calibration::Select::all;
+    options.blocks = 0;
+    options.candidates.outputs = {"q1"};
+    options.candidates.terms = {term({power("x")}), term({power("t07")})};
+    auto model = *calibration::fit(data, options);
+    const auto ratio2 = [&] {
+      auto builder =
+          SnapshotBuilder::create(model, ModelId{1}, axis_with_laser(std::hypot(7.0, 3.0)));
+      builder->keep_model_datum();
+      const ChannelValue value{"t07_degC", 21.1};
+      builder->observe(std::span(&value, 1), kThen);
+      TargetRequest request;
+      request.set(Variable::x, 1);
+      const auto snapshot = builder->build(kThen);
+      const auto budget = compute_budget(snapshot, request, 0);
+      const double error_nm = nm_from_mm(compute_target(snapshot, request).q_mm[0] - 1.00001);
+      return std::pow(error_nm, 2) / (std::pow(line_of(budget, UncertaintySource::laser), 2) +
+                                      std::pow(line_of(budget, UncertaintySource::fit), 2));
+    };
+    squares += ratio2();
+    model.outputs[0].noise_variance = 0;  // as a model of an earlier version
+    squares_if_independent += ratio2();
+  }
+  const double rms = std::sqrt(squares / kCampaigns),
+               if_independent = std::sqrt(squares_if_independent / kCampaigns);
+  std::printf("rms of error / line %.3f, as if independent %.3f\n", rms, if_independent);
+  EXPECT_LT(rms, 1.05);
+  EXPECT_GT(rms, if_independent + 0.025);
+}
+
 // A screw at 60 mm from the axis that ry turns about, and how its robot moves sideways with ry.
 calibration::OutputModel over_tilts(const Channel& output, double per_arcsec) {
   Dataset data;
