@@ -20,6 +20,8 @@ calibration::Model full_model() {
   auto& q1 = model.outputs[0];
   q1.coefficients[1] = 1.0 / 3.0;
   q1.covariance(0, 1) = q1.covariance(1, 0) = 4.9406564584124654e-324;
+  q1.noise_variance = 2.0 / 3.0 * 1e-10;
+  q1.influences = {{"x_mm", "zero", 0.3, Eigen::VectorXd::LinSpaced(5, 0.1, 0.3)}};
   q1.accuracy.rmse = 8.1e-6;
   q1.accuracy.u90_validation = 1.4e-5;
   q1.accuracy.lag1_autocorrelation = 0.25;
@@ -60,6 +62,10 @@ TEST(ModelJson, ReadsBackTheSameModelToTheLastBit) {
   EXPECT_EQ(back->outputs[0].terms, model.outputs[0].terms);
   EXPECT_EQ(back->outputs[0].coefficients, model.outputs[0].coefficients);
   EXPECT_EQ(back->outputs[0].covariance, model.outputs[0].covariance);
+  EXPECT_EQ(back->outputs[0].noise_variance, model.outputs[0].noise_variance);
+  ASSERT_EQ(back->outputs[0].influences.size(), 1u);
+  EXPECT_EQ(back->outputs[0].influences[0].by, "zero");
+  EXPECT_EQ(back->outputs[0].influences[0].shift, model.outputs[0].influences[0].shift);
   EXPECT_EQ(back->outputs[0].report[0].term, model.outputs[0].report[0].term);
   EXPECT_EQ(back->outputs[0].report[0].t, model.outputs[0].report[0].t);
   EXPECT_EQ(back->outputs[0].history[0].action, "enter");
