@@ -21,4 +21,17 @@ void confirm(const Console& console, bool yes, const std::string& title,
   throw Failure{ExitCode::refused, "cancelled", "DECLINED", "nothing was changed"};
 }
 
+void confirm_rollback(const Console& console, bool yes, const ServedInOrder& served,
+                      const RollbackQuestion& question) {
+  const auto& ids = served.ids();
+  if (ids.empty()) return;
+  confirm(
+      console, yes,
+      question.what + " " + std::to_string(ids.back()) + " serves no longer, for every controller:",
+      ids.size() > 1 ? question.facts_of_return(ids[ids.size() - 2])
+                     : std::vector<std::string>{"no " + question.what + " served before it: " +
+                                                question.none + " until one is promoted"},
+      "Roll back");
+}
+
 }  // namespace driftwise::cli

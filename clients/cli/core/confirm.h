@@ -1,6 +1,8 @@
 #pragma once
 // A question before something changes for others.
 
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,5 +15,29 @@ namespace driftwise::cli {
 // DECLINED for any answer but y or yes.
 void confirm(const Console& console, bool yes, const std::string& title,
              const std::vector<std::string>& facts, const std::string& verb);
+
+// Models or serving plans in service, oldest first, that no rollback has taken back: the last one
+// serves. Made of the history, oldest first.
+class ServedInOrder {
+ public:
+  void promoted(std::int64_t id) { served_.push_back(id); }
+  void rolled_back() {
+    if (!served_.empty()) served_.pop_back();
+  }
+  const std::vector<std::int64_t>& ids() const { return served_; }
+
+ private:
+  std::vector<std::int64_t> served_;
+};
+
+// A rollback names nothing, so it shows which one serves no longer and which one serves again.
+struct RollbackQuestion {
+  std::string what;  // "model"
+  std::string none;  // consequence where none served before
+  std::function<std::vector<std::string>(std::int64_t)> facts_of_return;
+};
+// confirm() of a rollback. None serves: nobody is asked, the daemon says that there is none.
+void confirm_rollback(const Console& console, bool yes, const ServedInOrder& served,
+                      const RollbackQuestion& question);
 
 }  // namespace driftwise::cli

@@ -154,15 +154,13 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   return serving_now(session, true, connection.ask(&ModelStub::PromoteModel, request).model());
 }
 
-// Models in service, oldest first, that no rollback has taken back: the last one serves.
-std::vector<std::int64_t> served_in_order(const v1::ListPromotionsResponse& oldest_first) {
-  std::vector<std::int64_t> served;
+ServedInOrder served_models(const v1::ListPromotionsResponse& oldest_first) {
+  ServedInOrder served;
   for (const auto& one : oldest_first.promotions()) {
-    if (one.action() != v1::Promotion::ACTION_ROLLBACK) {
-      if (one.has_model_id()) served.push_back(one.model_id());
-    } else if (!served.empty()) {
-      served.pop_back();
-    }
+    if (one.action() == v1::Promotion::ACTION_ROLLBACK)
+      served.rolled_back();
+    else if (one.has_model_id())
+      served.promoted(one.model_id());
   }
   return served;
 }
@@ -205,17 +203,11 @@ std::vector<std::string> facts_of_return(const Connection& connection, std::int6
 
 ExitCode roll_back(const Session& session, bool yes) {
   const auto connection = session.connect();
-  const auto served =
-      served_in_order(connection.ask(&ModelStub::ListPromotions, v1::ListPromotionsRequest{}));
-  if (!served.empty()) {
-    const std::string from = "model " + std::to_string(served.back());
-    confirm(session.console, yes, from + " serves no longer, for every controller:",
-            served.size() > 1
-                ? facts_of_return(connection, served[served.size() - 2])
-                : std::vector<std::string>{"no model served before it: every target is refused "
-                                           "(NO_MODEL) until one is promoted"},
-            "Roll back");
-  }
+  confirm_rollback(
+      session.console, yes,
+      served_models(connection.ask(&ModelStub::ListPromotions, v1::ListPromotionsRequest{})),
+      {"model", "every target is refused (NO_MODEL)",
+       [&](std::int64_t id) { return facts_of_return(connection, id); }});
   const auto response = connection.ask(&ModelStub::RollBackModel, v1::RollBackModelRequest{});
   return serving_now(session, response.has_model(), response.model());
 }

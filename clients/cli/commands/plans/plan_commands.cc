@@ -24,12 +24,16 @@ struct ServingPlanArguments {
   bool yes = false, dry_run = false;
 };
 
-void print_plan_line(const Console& console, const v1::Plan& plan) {
+std::string models_text(const v1::Plan& plan) {
   std::string models;
   for (const auto model : plan.model_ids())
     models += (models.empty() ? "" : ", ") + std::to_string(model);
+  return models;
+}
+
+void print_plan_line(const Console& console, const v1::Plan& plan) {
   console.out << "plan " << plan.id() << " '" << plan.name() << "', version " << plan.version()
-              << ", models " << models << (plan.serves() ? ", serves" : "") << '\n';
+              << ", models " << models_text(plan) << (plan.serves() ? ", serves" : "") << '\n';
 }
 
 ExitCode add_plan(const Session& session, const ServingPlanArguments& a) {
@@ -58,13 +62,10 @@ ExitCode list_plans(const Session& session) {
                {"added (UTC)"},
                {"by"},
                {"serves"}});
-  for (const auto& plan : response.plans()) {
-    std::string models;
-    for (const auto model : plan.model_ids())
-      models += (models.empty() ? "" : ", ") + std::to_string(model);
-    table.add({std::to_string(plan.id()), plan.name(), std::to_string(plan.version()), models,
-               clock_text(plan.create_time()), plan.created_by(), plan.serves() ? "yes" : ""});
-  }
+  for (const auto& plan : response.plans())
+    table.add({std::to_string(plan.id()), plan.name(), std::to_string(plan.version()),
+               models_text(plan), clock_text(plan.create_time()), plan.created_by(),
+               plan.serves() ? "yes" : ""});
   table.print(session.console.out, session.console.paint_out());
   if (!response.trouble().empty())
     session.console.out << session.console.paint_out().warn("! ") << response.trouble() << '\n';
@@ -169,9 +170,43 @@ ExitCode promote_plan(const Session& session, const ServingPlanArguments& a) {
   return ExitCode::done;
 }
 
-ExitCode roll_back_plan(const Session& session) {
-  const auto response =
-      session.connect().ask(&PlanStub::RollBackPlan, v1::RollBackPlanRequest{}, 60);
+// The history is that of all plans, whichever is asked for.
+ServedInOrder served_plans(const Connection& connection) {
+  ServedInOrder served;
+  const auto list = connection.ask(&PlanStub::ListPlans, v1::ListPlansRequest{});
+  if (list.plans().empty()) return served;
+  v1::GetPlanRequest any;
+  any.set_plan_id(list.plans(0).id());
+  const auto page = connection.ask(&PlanStub::GetPlan, any);
+  for (const auto& one : page.promotions()) {
+    if (one.rollback())
+      served.rolled_back();
+    else if (one.has_plan_id())
+      served.promoted(one.plan_id());
+  }
+  return served;
+}
+
+// Consequences of putting it back.
+std::vector<std::string> facts_of_plan(const Connection& connection, std::int64_t id) {
+  v1::GetPlanRequest asked;
+  asked.set_plan_id(id);
+  const auto plan = connection.ask(&PlanStub::GetPlan, asked).plan();
+  std::vector<std::string> facts = {"plan " + std::to_string(id) + " '" + plan.name() +
+                                    "' serves again: models " + models_text(plan)};
+  v1::CheckPlanRequest of_it;
+  of_it.set_plan_id(id);
+  const auto check = connection.ask(&PlanStub::CheckPlan, of_it, 60);
+  for (const auto& finding : check.findings()) facts.push_back("although " + finding.message());
+  return facts;
+}
+
+ExitCode roll_back_plan(const Session& session, bool yes) {
+  const auto connection = session.connect();
+  confirm_rollback(session.console, yes, served_plans(connection),
+                   {"plan", "every joint target is refused (NO_PLAN)",
+                    [&](std::int64_t id) { return facts_of_plan(connection, id); }});
+  const auto response = connection.ask(&PlanStub::RollBackPlan, v1::RollBackPlanRequest{}, 60);
   if (session.console.json)
     session.console.print_json(
         {{"plan", response.has_plan() ? json_from(response.plan()) : nullptr}});
@@ -278,8 +313,10 @@ void add_plan_commands(CLI::App& app, Session& session) {
   id(promote);
   promote.add_flag("--yes", a->yes, "answers the questions of the check");
   promote.add_flag("--dry-run", a->dry_run, "only checks");
-  add_command(plan, session, "rollback", "Back to the plan that served before",
-              [&session] { return roll_back_plan(session); });
+  CLI::App& rolled =
+      add_command(plan, session, "rollback", "The plan that served before serves again; asks",
+                  [&session, a] { return roll_back_plan(session, a->yes); });
+  rolled.add_flag("--yes", a->yes, "ask nothing: for scripts");
   CLI::App& target = add_command(plan, session, "target",
                                  "Motor coordinates of all robots for a pose; moves nothing",
                                  [&session, a] { return joint_target(session, *a); });
