@@ -31,7 +31,7 @@ void print_linear_axis_fits(const std::string& folder) {
                       {"only the 6 sensors on the robot", "six", "15"},
                       {"first 300 points only, 10 temperatures", "first300", "40"}};
   std::printf(
-      "\nU90 in nm on points that took no part in the fit        published    here: validation   "
+      "\nS90 in nm on points that took no part in the fit        published    here: validation   "
       "held out by    terms   fit\n");
   std::printf("%-56s%9s    %17s   %-15s%5s\n", "", "2011", "(half millimetres)", "blocks of time",
               "in");
@@ -44,7 +44,7 @@ void print_linear_axis_fits(const std::string& folder) {
   }
   const json ten = read_json(folder + "/ten.json");
   std::printf(
-      "\ncalibration %lld points, validation %lld points, U90 on the calibration points %.1f nm "
+      "\ncalibration %lld points, validation %lld points, S90 on the calibration points %.1f nm "
       "(published 9)\n",
       ten.at("rows").at("calibration").get<long long>(),
       ten.at("rows").at("validation").get<long long>(),
@@ -53,7 +53,7 @@ void print_linear_axis_fits(const std::string& folder) {
               dropped_sensors(ten.at("outputs").at("q1")).c_str());
   const json offers = read_json(folder + "/offers.json");
   std::printf(
-      "\nmore terms, and what each would change in the held-out U90 (published: all rejected, 4th "
+      "\nmore terms, and what each would change in the held-out S90 (published: all rejected, 4th "
       "order got stuck)\n");
   for (const auto& offer : offers.at("offers")) {
     const double before = figure(offer, "u90_validation_before_nm"),

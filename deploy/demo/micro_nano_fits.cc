@@ -44,7 +44,7 @@ void print_outside(const char* label, const json& fit, const int* published) {
 
 void print_models(const std::string& folder) {
   std::printf(
-      "\nU90 in nm on validation points at 0.768 N, inside the fitted forces (terms in the model)\n"
+      "\nS90 in nm on validation points at 0.768 N, inside the fitted forces (terms in the model)\n"
       "%-12s%-37s%-37s%9s\n%-12s%-12s%-12s%-13s%-12s%-12s%-13s\n",
       "", "published, 2011", "here", "fit", "", "q1", "q2", "q3", "q1", "q2", "q3");
   for (const auto& model : kPublished) {
@@ -63,7 +63,7 @@ void print_models(const std::string& folder) {
 
 void print_offered(const json& offers) {
   std::printf(
-      "\nmore terms, and the nm each group would add to the held-out U90 at 0.768 N (published: "
+      "\nmore terms, and the nm each group would add to the held-out S90 at 0.768 N (published: "
       "cross terms all rejected)\n%-40s%-28s%-28s%-28s\n",
       "", "q1", "q2", "q3");
   std::string group;

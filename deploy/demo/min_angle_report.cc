@@ -144,7 +144,7 @@ void print_parasitic(const std::string& folder, const TruthTable& truth) {
     int calibration_nm, validation_nm;
   };
   std::printf(
-      "\nTable 7.3, parasitic translations, U90 in nm (truth: A90 (mean, S90))\n"
+      "\nTable 7.3, parasitic translations, S90 in nm (truth: A90 (mean, S90))\n"
       "  %-4s%-14s%-30s%-30s\n",
       "", "", "calibration: 2011, here, truth", "  validation: 2011, here, truth");
   for (const Axis& axis : {Axis{"x", "x_nm", 390, 417}, Axis{"y", "y_nm", 293, 403}}) {
@@ -173,7 +173,7 @@ void print_probe(const std::string& folder) {
   const auto probe = read_json(folder + "/model2.json");
   const auto ideal = read_json(folder + "/ideal/model2.json");
   std::printf(
-      "\nThe probe limits the fine model: U90 in nm on the 216 poses between those fitted\n"
+      "\nThe probe limits the fine model: S90 in nm on the 216 poses between those fitted\n"
       "  %-34s%10s%10s%10s\n",
       "", "q1", "q2", "q3");
   const auto row = [](const char* label, const json& fit) {
@@ -194,7 +194,7 @@ void print_min_angle_rectification(const std::string& folder) {
   const double k = coefficient(z, "touch");
   std::printf(
       "z = k z_probe + c on %d points: k = %.6f, u = %.6f; c = %+.2f um, u = %.2f um (it is the "
-      "zeros' and goes with them)\nwhat the probe misses afterwards: U90 %.2f um, its hysteresis "
+      "zeros' and goes with them)\nwhat the probe misses afterwards: S90 %.2f um, its hysteresis "
       "(published: 1 to 2 um)\n",
       fit.at("rows").at("calibration").get<int>(), k,
       coefficient(z, "touch", "standard_error_serial"), kUmPerMm * coefficient(z, "1"),

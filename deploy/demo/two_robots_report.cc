@@ -184,7 +184,7 @@ void print_two_robots_tables(const std::string& folder) {
     std::printf("  %-4s%10d   %-26s%-26s%-26s\n", kLengths[k], kPose_nm[k],
                 text(by_instrument(verification, std::string("mn.") + kLengths[k]).all).c_str(),
                 text(by_plan[k]).c_str(), text(by_geometry[k]).c_str());
-  std::printf("  motor coordinates on the positions between those fitted, U90:");
+  std::printf("  motor coordinates on the positions between those fitted, S90:");
   for (const char* q : {"mn.q1", "mn.q2", "mn.q3"})
     std::printf(" %.0f", figure(model.at("outputs").at(q), "u90_validation_nm"));
   std::printf(" nm (2011: 41, 42, 49, the digits of case B)\n");
@@ -192,7 +192,7 @@ void print_two_robots_tables(const std::string& folder) {
   constexpr double kRotation_arcsec[] = {0.5, 1.2, 0.4};
   constexpr int kTerms[] = {11, 13, 10};
   std::printf("\nTable 7.5, its parasitic rotations by a model, arcsec\n  %-4s%20s%26s%20s   %s\n",
-              "", "2011, U90 (terms)", "here, U90 fitted, between", "terms",
+              "", "2011, U90 (terms)", "here, S90 fitted, between", "terms",
               "truth: A90 (mean, S90)");
   for (std::size_t k = 0; k < 3; ++k) {
     const auto fit = read_json(folder + "/tool-" + kAngles[k] + ".json");

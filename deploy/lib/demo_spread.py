@@ -2,7 +2,7 @@
 """Spread of the figures that demos print, and whether one more demo lies inside it.
 
 demo_spread.py DEMO.txt ... [--judge ONE.txt]: printed output of `deploy/demo.sh` or `deploy/demo.sh micro-nano`, one file per demo.
-A table of every U90 and A90 (nm): n, mean, standard deviation, smallest, largest, 95 % prediction interval of one more demo
+A table of every S90 and A90 (nm): n, mean, standard deviation, smallest, largest, 95 % prediction interval of one more demo
 (mean +- t(0.975, n - 1) s sqrt(1 + 1 / n), normal distribution). --judge: each figure of one more demo against both. With m figures
 5 % of m are expected outside the prediction interval, and 2 m / (n + 1) outside smallest to largest. Exit code 1: a figure is
 outside the prediction interval by Bonferroni's t(1 - 0.025 / m, n - 1), so that 95 % of whole demos pass."""
@@ -28,18 +28,18 @@ def figures_of(name):
     for line in lines:
         if row := re.match(r"(geometry only|geometry \+ 10 temperatures|only the 6 sensors on the robot|first 300 points only, "
                            r"10 temperatures) +\d+ +(\d+\.\d) +(\d+\.\d) +\d+ ", line):
-            take(f"fit, {row[1]}: U90 validation", row[2])
-            take(f"fit, {row[1]}: U90 by blocks", row[3])
+            take(f"fit, {row[1]}: S90 validation", row[2])
+            take(f"fit, {row[1]}: S90 by blocks", row[3])
         elif row := re.match(r"(without compensation \(q = x\)|geometry only|ten sensors|six sensors on the robot) +\d+ +\d+\.\d+ K +"
                              + FIGURE + " +" + FIGURE, line):
             take(f"proof, {row[1]}: A90 interferometer", row[2])
             take(f"proof, {row[1]}: A90 truth", row[4])
         elif row := re.match(r"(G|G \+ F|G \+ T|G \+ T \+ F|  and products of force and t04 with the pose)  +(.*) ms$", line):
             for axis, value in zip(("q1", "q2", "q3"), re.findall(r"(\d+\.\d) \( ?\d+\)", row[2])[-3:]):
-                take(f"fit, {row[1].strip()}: U90 {axis}", value)
+                take(f"fit, {row[1].strip()}: S90 {axis}", value)
         elif row := re.match(r"(?:\.\.\. (outside)|  (products))  +.*?(\d+\.\d) +(\d+\.\d) +(\d+\.\d) *$", line):
             for axis, value in zip(("q1", "q2", "q3"), row.groups()[2:]):
-                take(f"fit, G + T + F outside: U90 {axis}" if row[1] else f"fit, products outside: U90 {axis}", value)
+                take(f"fit, G + T + F outside: S90 {axis}" if row[1] else f"fit, products outside: S90 {axis}", value)
         elif row := re.match(r"(.+): \d+ points under \d", line):
             proof = row[1]
         elif proof and (row := re.match(r"  ([xyz]) +(?:\d+ +)?" + FIGURE + " +" + FIGURE, line)):
