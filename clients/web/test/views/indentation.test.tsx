@@ -5,7 +5,7 @@ import { useTransport } from '@/api/client';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
 import { cellTimeMs } from '@/live/state';
-import { answers, recordFrom, tableFrom } from '@/views/indentation/record';
+import { answerInWords, answers, recordFrom, tableFrom } from '@/views/indentation/record';
 import Indentation from '@/views/indentation/view';
 import { at, startMs } from '../fake/cell';
 import { fakeDaemon } from '../fake/daemon';
@@ -29,7 +29,7 @@ describe('an indentation', () => {
     expect(rounds.getByText('accepted')).toBeTruthy();
     expect(rounds.getAllByText('−540.2')).toHaveLength(2);
     expect(within(screen.getByRole('table', { name: 'Stages' })).getAllByText('done')).toHaveLength(4);
-    expect(screen.getByText(/plan 1, mn=5, ma=coarse:2: contacts 1, 2, 3/)).toBeTruthy();
+    expect(screen.getByText(/plan 1: mn by model 5, ma by model 2 \(coarse\): contacts 1, 2, 3/)).toBeTruthy();
   });
   it('shows the table of indents with uncertainties, what cannot be told apart, and the verdict', { timeout: 30_000 }, async () => {
     useTransport(fakeDaemon());
@@ -54,6 +54,14 @@ describe('an indentation', () => {
     expect(recordFrom('{"stage":')).toBeUndefined();
     expect(tableFrom('{"driftwise_indents":1,"indents":[]}')).toBeTruthy();
     expect(recordFrom('{"driftwise_indentation":1}')?.contact_list).toEqual([]);
+  });
+  it('says in words which models answered and what speaks against the answer', () => {
+    expect(answerInWords('plan 1, mn=5, ma=fine:2 OUTSIDE_DOMAIN(t19_degC) ZERO_OUTSIDE_DOMAIN(t19_degC) OUTSIDE_DOMAIN(t09_degC t19_degC) COARSE(ma)')).toEqual({
+      who: 'plan 1: mn by model 5, ma by model 2 (fine)',
+      doubts: ['outside what the model was fitted on (t19, t09)', 'the zero of the present datum was taken outside what the model was fitted on (t19)', 'by the coarse model of a robot (ma)'],
+    });
+    expect(answerInWords('nominal geometry')).toEqual({ who: 'nominal geometry', doubts: [] });
+    expect(answerInWords('')).toEqual({ who: '', doubts: [] });
   });
   it('lists what answered with the contacts that it moved to', () => {
     expect(answers(indentationRecord().contact_list)).toEqual([{ by: 'plan 1, mn=5, ma=coarse:2', contacts: Array.from({ length: 17 }, (_, i) => i + 1).join(', ') }]);

@@ -1,4 +1,5 @@
 // The two documents of an indentation, as the daemon hands them on: docs/indentation.md has their keys.
+import { flagsInWords } from '@/parts/flag_words';
 
 interface Touch {
   x_mm: number;
@@ -82,7 +83,16 @@ export function recordFrom(text: string): IndentationRecord | undefined {
 }
 export const tableFrom = (text: string) => read<IndentTable>(text, 'driftwise_indents');
 
-// "plan 1, mn=5, ma=coarse:2" with the contacts that it moved to.
+// "plan 1, mn=5, ma=coarse:2 OUTSIDE_DOMAIN(t19_degC)" as the client records it: "plan 1: mn by model 5, ma by model 2 (coarse)", and
+// the flags in words. Anything else stays as it is.
+export function answerInWords(by: string): { who: string; doubts: string[] } {
+  const flags = by.search(/ [A-Z][A-Z_]{3,}/);
+  const [plan, ...robots] = (flags < 0 ? by : by.slice(0, flags)).split(', ');
+  const models = robots.map((robot) => robot.replace(/^(\w*)=(?:(\w+):)?(\d+)$/, (_, id, kind, model) => `${id || 'the robot'} by model ${model}${kind ? ` (${kind})` : ''}`));
+  return { who: models.length > 0 ? `${plan}: ${models.join(', ')}` : plan, doubts: flags < 0 ? [] : flagsInWords([by.slice(flags)]) };
+}
+
+// What answered, with the contacts that it moved to.
 export function answers(contacts: readonly Contact[]): { by: string; contacts: string }[] {
   const found = new Map<string, number[]>();
   for (const one of contacts) found.set(one.by, [...(found.get(one.by) ?? []), one.contact]);

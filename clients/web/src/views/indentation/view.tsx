@@ -13,7 +13,7 @@ import { useWhile } from '@/ui/use_while';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { indentationApi } from './api';
-import { answers, recordFrom, tableFrom, type Contact, type IndentRow, type IndentTable, type Round } from './record';
+import { answerInWords, answers, recordFrom, tableFrom, type Contact, type IndentRow, type IndentTable, type Round } from './record';
 
 const silentAfterMs = 10 * 60_000; // of cell time: an approach reports its contact within minutes
 
@@ -133,7 +133,7 @@ const roundColumns: Column<Round>[] = [
   { title: 'answer', of: (one) => (one.accepted ? <Verdict kind="good">accepted</Verdict> : 'corrected to') },
   { title: 'rx, arcsec', number: true, of: (one) => signed(one.rx_arcsec, 1) },
   { title: 'ry, arcsec', number: true, of: (one) => signed(one.ry_arcsec, 1) },
-  { title: 'model', of: (one) => one.by },
+  { title: 'model', of: (one) => <AnsweredBy by={one.by} /> },
 ];
 
 const contactColumns: Column<Contact>[] = [
@@ -147,14 +147,22 @@ const contactColumns: Column<Contact>[] = [
   { title: 'steps', number: true, of: (one) => (one.trouble ? '–' : String(one.steps)) },
   { title: 'outcome', of: (one) => (one.trouble ? <Verdict kind="bad">{one.trouble}</Verdict> : 'found') },
 ];
+
+function AnsweredBy({ by }: { by: string }) {
+  return <>{answerInWords(by).who}</>;
+}
+function Doubts({ by }: { by: string }) {
+  return <>{answerInWords(by).doubts.map((words) => <div key={words}><Verdict kind="warn">{words}</Verdict></div>)}</>;
+}
+
 const place = (one: Contact, value: number) => (one.trouble ? '–' : fixed(value, 3));
 
 function Contacts({ contacts }: { contacts: readonly Contact[] }) {
   return (
     <Panel title="Contacts">
       <Table caption="Contacts on the substrate" rows={contacts} keyOf={(one) => one.contact} columns={contactColumns} />
-      <h3>Moved to by</h3>
-      <ul>{answers(contacts).map((one) => <li key={one.by}>{one.by}: contacts {one.contacts}</li>)}</ul>
+      <h3>Motor coordinates of the contacts</h3>
+      <ul>{answers(contacts).map((one) => <li key={one.by}><AnsweredBy by={one.by} />: contacts {one.contacts}<Doubts by={one.by} /></li>)}</ul>
     </Panel>
   );
 }

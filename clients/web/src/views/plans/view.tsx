@@ -3,6 +3,7 @@ import { useState } from 'preact/hooks';
 import type { CheckPlanResponse, ComputeJointTargetResponse, ListPlansResponse, Plan } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { fixed, signed } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
+import { flagsInWords } from '@/parts/flag_words';
 import { rollBack } from '@/parts/served';
 import { CommandButton, Button } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
@@ -152,7 +153,7 @@ function JointTarget() {
             />
           )}
           {target.robots.map((robot) => <p key={robot.robot}>{robot.robot || 'The robot'}: {answeredBy(robot)}</p>)}
-          {target.flags.map((flag) => <Verdict key={flag} kind="warn">{flag}</Verdict>)}
+          {flagsInWords(target.flags).map((words) => <Verdict key={words} kind="warn">{words}</Verdict>)}
         </div>
       )}
     </Panel>

@@ -6,6 +6,7 @@ import { fixed, grouped, signed, significant } from '@/format/numbers';
 import { clock, ms } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import { cellTimeMs, progress } from '@/live/state';
+import { flagInWords } from '@/parts/flag_words';
 import { askAboutHold, type HoldAnswer } from '@/parts/hold_question';
 import { Button, CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
@@ -61,21 +62,6 @@ export function correctionText(nm: number, unit: CorrectionUnit = correctionUnit
   return unit === 'nm' ? `${signed(nm, 1)} nm` : `${signed(nm / 1e6, 6)} mm`;
 }
 
-const flagWords: Record<number, string> = {
-  [Target_Flag.OUTSIDE_DOMAIN]: 'outside what the model was fitted on',
-  [Target_Flag.STALE_TEMPERATURE]: 'a temperature is too old',
-  [Target_Flag.MISSING_TEMPERATURE]: 'a temperature was never read: the middle of its range stands in',
-  [Target_Flag.EXPIRED_CONDITIONS]: 'the conditions were not looked at in time',
-  [Target_Flag.OUTSIDE_LIMITS]: 'not reachable: beyond the soft limits',
-  [Target_Flag.UNKNOWN_LIMITS]: 'no soft limits are known: whether it can be reached is not checked',
-  [Target_Flag.IGNORED_COORDINATE]: 'the model does not depend on a stated coordinate',
-  [Target_Flag.CONFIGURATION_CHANGED]: 'the cell file has changed, in parts that this model does not use; nobody has accepted it yet',
-  [Target_Flag.UNJUDGED_MODEL]: 'no data judged the model',
-  [Target_Flag.DOUBTFUL_MODEL]: 'the robot no longer does what the model says: recalibrate; the error may exceed the uncertainty',
-  [Target_Flag.UNANCHORED_DATUM]: 'the present datum is not known: the constant is that of the model\'s own',
-  [Target_Flag.ZERO_OUTSIDE_DOMAIN]: 'the zero of the present datum was taken outside what the model was fitted on',
-};
-
 // Reasons that hold a target back, in words, with the channels that are meant.
 export function doubtsOf(target: Target): { flag: Target_Flag; words: string }[] {
   const named: Partial<Record<Target_Flag, readonly string[]>> = {
@@ -88,8 +74,7 @@ export function doubtsOf(target: Target): { flag: Target_Flag; words: string }[]
     [Target_Flag.ZERO_OUTSIDE_DOMAIN]: target.zeroOutsideChannels,
   };
   return target.flags.map((flag) => {
-    const names = (named[flag] ?? []).map((channel) => splitChannel(channel).symbol).join(', ');
-    return { flag, words: `${flagWords[flag] ?? `flag ${flag}`}${names && ` (${names})`}` };
+    return { flag, words: flagInWords(Target_Flag[flag] ?? `flag ${flag}`, named[flag]) };
   });
 }
 
