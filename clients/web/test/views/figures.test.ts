@@ -8,7 +8,7 @@ import { causeText, withCauses } from '@/views/diagnosis/causes';
 import { servedBefore } from '@/parts/served';
 import { parameterTables } from '@/views/diagnosis/parameters';
 import { standing } from '@/views/diagnosis/improvement';
-import { headline, parameterText, parameterWords, sentenceCase, turnLines } from '@/views/diagnosis/words';
+import { headline, isWhole, parameterText, parameterWords, sentenceCase, turnLines } from '@/views/diagnosis/words';
 import { contributionError, logScale } from '@/views/models/terms';
 
 const promoted = (id: bigint) => ({ id, rollback: false });
@@ -55,6 +55,7 @@ describe('parameters of a finding', () => {
     expect(parameterText(1830.4, { low: 1740.2, high: 1925.1 })).toBe('1830');
     expect(parameterText(0.04712, { low: 0.0451, high: 0.0492 })).toBe('0.0471');
     expect(parameterText(85, undefined)).toBe('85.0');
+    expect(parameterText(4, undefined, isWhole('degree'))).toBe('4');
   });
   it('takes the unit from the name', () => {
     expect(parameterWords('tau_s')).toEqual({ name: 'tau', unit: 's' });
@@ -75,6 +76,7 @@ describe('parameters of a finding', () => {
     expect(headline('Axis q2 has a play of 85 nm: it matters, from which side a point is approached.')).toBe('Axis q2 has a play of 85 nm: it matters, from which side a point is approached');
     expect(turnLines('fitted model 4: q ~ poly(x, y, z, 2). The geometry needs terms in x:y that the simulation lacks, 3 degree; q1: 42 nm rms, held-out U90 77 -> 10.5 nm. q1 has play: it depends on the side it came from, width 23.4 nm (90 %: 17.3 to 29.5); q1: 2.61 nm rms. stopped: no lease'))
       .toEqual(['Fitted model 4: q ~ poly(x, y, z, 2)', 'The geometry needs terms in x:y that the simulation lacks', 'q1 has play: it depends on the side it came from', 'Stopped: no lease']);
+    expect(turnLines('fitted model 4: q ~ x. A90 on fresh points, run 5, by the model before and by the new one: q1 192 -> 77 nm (mean +3 -> +43.8)')).toEqual(['Fitted model 4: q ~ x']);
     expect(headline('The robot follows t07 with a delay; q1: 84 nm rms, held-out U90 164 -> 61 nm.')).toBe('The robot follows t07 with a delay');
   });
 });

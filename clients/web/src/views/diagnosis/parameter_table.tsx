@@ -1,8 +1,8 @@
 // What a finding's parameters are, each with the interval it is known to.
 import type { Finding, FindingParameter } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
-import { fixed, significant } from '@/format/numbers';
+import { significant } from '@/format/numbers';
 import { parameterTables } from './parameters';
-import { parameterText, parameterWords } from './words';
+import { isWhole, parameterText, parameterWords } from './words';
 
 export function Parameters({ finding }: { finding: Finding }) {
   const tables = parameterTables(finding);
@@ -28,7 +28,7 @@ function Single({ finding, rows, withAmplitudes }: { finding: Finding; rows: rea
             return (
               <tr key={one.name}>
                 <td>{name}</td>
-                <td class="number">{name === 'count' ? fixed(one.value) : parameterText(one.value, one.ci90)} {unit}</td>
+                <td class="number">{parameterText(one.value, one.ci90, isWhole(name))} {unit}</td>
                 <td class="number">{one.ci90 ? `${parameterText(one.ci90.low, one.ci90)} to ${parameterText(one.ci90.high, one.ci90)} ${unit}` : '–'}</td>
               </tr>
             );

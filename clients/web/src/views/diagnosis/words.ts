@@ -72,8 +72,12 @@ export function parameterWords(name: string): { name: string; unit: string } {
 // A formula has commas and numbers of its own.
 export const headline = (sentence: string): string => (sentence.includes('~') ? sentence : sentence.split(/, (?:[A-Za-z][\w.]* ){0,3}-?\d[^,;]*(?=[,;.(]|$)|; [\w.]+: /)[0]).replace(/\.$/, '');
 
+// Of what is counted: rows, the degree of a polynomial, the number of a harmonic.
+export const isWhole = (name: string): boolean => ['count', 'degree', 'harmonic'].includes(name);
+
 // No more digits than the interval supports: two of its width.
-export function parameterText(value: number, interval: { low: number; high: number } | undefined): string {
+export function parameterText(value: number, interval: { low: number; high: number } | undefined, whole = false): string {
+  if (whole) return fixed(value);
   const width = interval ? interval.high - interval.low : 0;
   if (!(width > 0)) return significant(value, 3);
   return fixed(value, Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(width)))));
@@ -82,9 +86,9 @@ export function parameterText(value: number, interval: { low: number; high: numb
 // A channel at the beginning (q1, x) keeps its letter.
 export const sentenceCase = (text: string): string => (/^[a-z]{2,}([\s,:]|$)/.test(text) ? text[0].toUpperCase() + text.slice(1) : text);
 
-// What a turn did, a sentence each, without the figures that stand in tables; sentences that differ in one name only are one.
+// What a turn did, a sentence each, without what stands in the turn's table; sentences that differ in one name only are one.
 export function turnLines(what: string): string[] {
-  const lines = what.split(/\.+ (?=[A-Z]|stopped|[a-z]+\d* (?:has|is|sags|turns|heats) |\w+_\w+ \w+ cannot)/).map(headline).filter((line) => line !== '').map((line) => sentenceCase(withCauses(line)));
+  const lines = what.split(/\.+ (?=[A-Z]|stopped|[a-z]+\d* (?:has|is|sags|turns|heats) |\w+_\w+ \w+ cannot)/).map(headline).filter((line) => line !== '' && line !== 'A90 on fresh points').map((line) => sentenceCase(withCauses(line)));
   const terms = /^The geometry needs terms in (\S+) that the simulation lacks$/;
   const needed = lines.flatMap((line) => terms.exec(line)?.[1] ?? []);
   if (needed.length < 2) return lines;

@@ -61,7 +61,7 @@ function RunTable({ runs, chosen }: { runs: readonly Run[]; chosen: Chosen | und
         { title: 'points', number: true, of: (run) => `${count(run.acceptedCount)} of ${count(run.rowCount)}`, sort: (run) => Number(run.acceptedCount) },
         { title: 'given up', number: true, of: (run) => count(run.givenUpCount), sort: (run) => Number(run.givenUpCount) },
         { title: 'started', of: (run) => <span class="nowrap">{dateClock(ms(run.startTime))}</span>, sort: (run) => ms(run.startTime) ?? 0 },
-        { title: 'took', of: took },
+        { title: 'took', of: (run) => <span class="nowrap">{took(run)}</span> },
         { title: 'compensated', of: (run) => (!run.compensated ? 'no' : run.compensatePlanId !== undefined ? <a href="/plans">plan {String(run.compensatePlanId)}</a> : run.compensateModelId !== undefined ? <a href={`/models/${run.compensateModelId}`}>model {String(run.compensateModelId)}</a> : 'yes'), sort: (run) => Number(run.compensateModelId ?? (run.compensated ? 0 : -1)) },
         { title: 'trajectory', of: (run) => run.trajectoryName || '–', sort: (run) => run.trajectoryName },
         { title: 'operator', of: (run) => run.operatorName || 'unknown', sort: (run) => run.operatorName },
