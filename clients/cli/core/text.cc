@@ -17,6 +17,13 @@ std::string print(const char* format, int digits, double value) {
   return buffer;
 }
 
+// "-0.0" and "+0.0" say nothing that "0.0" does not.
+std::string without_sign_of_zero(std::string text) {
+  const bool has_sign = text.size() > 1 && (text.front() == '-' || text.front() == '+');
+  if (has_sign && text.find_first_not_of("-+0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
 CellTime cell_time_from(const google::protobuf::Timestamp& time) {
   constexpr std::int64_t kMostS = 9'000'000'000;  // what 64 bits of nanoseconds hold
   return {std::clamp(time.seconds(), -kMostS, kMostS) * 1'000'000'000 + time.nanos()};
@@ -25,13 +32,12 @@ CellTime cell_time_from(const google::protobuf::Timestamp& time) {
 }  // namespace
 
 std::string fixed(double value, int decimals) {
-  std::string text = print("%.*f", decimals, value);
-  // "-0.0" says nothing that "0.0" does not.
-  if (text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
-  return text;
+  return without_sign_of_zero(print("%.*f", decimals, value));
 }
 std::string significant(double value, int digits) { return print("%.*g", digits, value); }
-std::string signed_fixed(double value, int decimals) { return print("%+.*f", decimals, value); }
+std::string signed_fixed(double value, int decimals) {
+  return without_sign_of_zero(print("%+.*f", decimals, value));
+}
 
 std::string iso_text(const google::protobuf::Timestamp& time) {
   return to_iso8601(cell_time_from(time));

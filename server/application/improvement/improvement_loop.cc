@@ -44,8 +44,8 @@ FreshVerdict judge_fresh(const std::vector<TurnGain>& gains) {
     const double before = gain.measured_before->a90, after = gain.measured->a90;
     const std::string change =
         fmt::format("{} {} -> {} {} (mean {} -> {})", gain.output, digits_text(before),
-                    digits_text(after), gain.unit, digits_text(gain.measured_before->mean, 3, true),
-                    digits_text(gain.measured->mean, 3, true));
+                    digits_text(after), gain.unit, mean_text(gain.measured_before->mean, before),
+                    mean_text(gain.measured->mean, after));
     verdict.better |= after * kSame < before;
     if (after > kSame * before) verdict.worse += (verdict.worse.empty() ? "" : ", ") + change;
     verdict.measured += (verdict.measured.empty() ? "" : ", ") + change;

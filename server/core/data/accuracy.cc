@@ -112,7 +112,7 @@ std::string accuracy_text(const JudgedAccuracy& accuracy) {
       accuracy.before ? digits_text(accuracy.before->a90) + " -> " : std::string();
   return before + digits_text(accuracy.figures.a90) + unit + " (" + accuracy.output + ", " +
          std::string(in_words(accuracy.rows)) + ", mean " +
-         digits_text(accuracy.figures.mean, 3, true) + unit + ", S90 " +
+         mean_text(accuracy.figures.mean, accuracy.figures.a90) + unit + ", S90 " +
          digits_text(accuracy.figures.u90) + unit + ")";
 }
 

@@ -7,6 +7,20 @@
 #include <cstdlib>
 
 namespace driftwise {
+namespace {
+
+// Of a value that is rounded: 42.3 -> 1, 0.574 -> -1.
+int exponent_of(double rounded) {
+  return static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-12));
+}
+
+double rounded_to(double value, int significant) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*e", significant - 1, value);
+  return std::strtod(text.data(), nullptr);
+}
+
+}  // namespace
 
 std::string digits_text(double value, int significant, bool sign) {
   if (!std::isfinite(value)) return "-";
@@ -14,8 +28,8 @@ std::string digits_text(double value, int significant, bool sign) {
   const char* rounded_format = sign ? "%+.*e" : "%.*e";
   std::snprintf(text.data(), text.size(), rounded_format, significant - 1, value);
   const double rounded = std::strtod(text.data(), nullptr);
-  if (rounded == 0) return sign ? "+0" : "0";
-  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-12));
+  if (rounded == 0) return "0";
+  const int exponent = exponent_of(rounded);
   if (exponent < -4 || exponent > 14) return text.data();
   const char* plain_format = sign ? "%+.*f" : "%.*f";
   std::snprintf(text.data(), text.size(), plain_format, std::max(0, significant - 1 - exponent),
@@ -26,6 +40,14 @@ std::string digits_text(double value, int significant, bool sign) {
     if (digits.back() == '.') digits.pop_back();
   }
   return digits;
+}
+
+std::string mean_text(double mean, double a90, int significant) {
+  const double beside = std::isfinite(a90) ? rounded_to(std::abs(a90), significant) : 0;
+  if (!std::isfinite(mean) || beside == 0) return digits_text(mean, significant, true);
+  const int last = exponent_of(beside) - (significant - 1);
+  const double steps = std::round(mean / std::pow(10, last));
+  return digits_text(steps * std::pow(10, last), significant, true);
 }
 
 SizeUnit size_unit(std::initializer_list<double> sizes, std::string_view unit) {

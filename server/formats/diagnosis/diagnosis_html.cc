@@ -64,8 +64,8 @@ std::string result_text(const Diagnosis& d, const JudgedAccuracy& heads) {
   const ErrorFigures& before = *heads.before;
   text += "<b><span class=\"from\">" + figure_text(before.a90) + " \xE2\x86\x92 </span>" +
           figure_text(heads.figures.a90) + " <span class=\"unit\">" + unit +
-          "</span></b><p class=\"note\">mean " + digits_text(before.mean, 3, true) +
-          " \xE2\x86\x92 " + digits_text(heads.figures.mean, 3, true) + ", S90 " +
+          "</span></b><p class=\"note\">mean " + mean_text(before.mean, before.a90) +
+          " \xE2\x86\x92 " + mean_text(heads.figures.mean, heads.figures.a90) + ", S90 " +
           digits_text(before.u90) + " \xE2\x86\x92 " + digits_text(heads.figures.u90) + " " + unit +
           "<br>";
   const auto floor = std::ranges::find(d.outputs, heads.output, &OutputSummary::output);

@@ -91,8 +91,8 @@ std::string worth_of(const Finding& finding) {
            " held out</p><b><span class=\"from\">" + figure_text(*output.a90_before) +
            " \xE2\x86\x92 </span>" + sized(*output.a90_after, output.unit) + "</b>";
     if (output.mean_before && output.mean_after && output.u90_before && output.u90_after)
-      out += "<p class=\"note\">mean " + digits_text(*output.mean_before, 3, true) +
-             " \xE2\x86\x92 " + digits_text(*output.mean_after, 3, true) + ", S90 " +
+      out += "<p class=\"note\">mean " + mean_text(*output.mean_before, *output.a90_before) +
+             " \xE2\x86\x92 " + mean_text(*output.mean_after, *output.a90_after) + ", S90 " +
              digits_text(*output.u90_before) + " \xE2\x86\x92 " + digits_text(*output.u90_after) +
              " " + html_escaped(output.unit) + "</p>";
     if (output.a90_after_ci90)

@@ -74,8 +74,9 @@ std::string accuracy_lines(const calibration::OutputModel& output) {
   };
   // "A90 42.0 nm (mean +24.3 nm, S90 12.8 nm)"
   const auto judged = [&](double mean, double u90, double a90) {
-    return "A90 " + figure(a90) + " (mean " + digits_text(mean * summary.factor, 3, true) + " " +
-           unit + ", S90 " + figure(u90) + ")";
+    return "A90 " + figure(a90) + " (mean " +
+           mean_text(mean * summary.factor, a90 * summary.factor) + " " + unit + ", S90 " +
+           figure(u90) + ")";
   };
   std::string text =
       "  RMSE " + figure(accuracy.rmse) + print(", %d degrees of freedom\n", output.dof) +

@@ -90,8 +90,20 @@ TEST(QuantityText, HasThreeDigitsAndNoExponent) {
   EXPECT_EQ(digits_text(-3), "-3");
   EXPECT_EQ(digits_text(24.3, 3, true), "+24.3");
   EXPECT_EQ(digits_text(0), "0");
+  EXPECT_EQ(digits_text(0, 3, true), "0");
   EXPECT_EQ(digits_text(2.5e-7), "2.50e-07");
   EXPECT_EQ(digits_text(INFINITY), "-");
+}
+
+TEST(MeanText, EndsWithTheLastDigitOfTheA90BesideIt) {
+  EXPECT_EQ(mean_text(24.31, 42.02), "+24.3");
+  EXPECT_EQ(mean_text(0.624, 9.24), "+0.62");
+  EXPECT_EQ(mean_text(-151.7, 363), "-152");
+  EXPECT_EQ(mean_text(2, 9.7), "+2");
+  EXPECT_EQ(mean_text(-6.07e-11, 12.8), "0") << "zero by construction, but for the rounding";
+  EXPECT_EQ(mean_text(-6.07e-11, 1.2e-10), "-6.10e-11") << "of errors that are as small";
+  EXPECT_EQ(mean_text(0, 0), "0");
+  EXPECT_EQ(mean_text(NAN, 3), "-");
 }
 
 // "8.23e+04 nm" beside "0.574 mm" in one sentence.

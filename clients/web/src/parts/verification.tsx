@@ -59,7 +59,7 @@ export function VerificationTable({ of, run }: { of: Verified; run: string }) {
           { title: 'points', of: (line) => line.points },
           { title: 'count', number: true, of: (line) => count(line.figures.rowCount) },
           { title: 'A90', number: true, of: (line) => <strong>{figure(line.figures.a90)} {unitSign(line.of.unit)}</strong> },
-          { title: 'mean', number: true, of: (line) => `${meanFigure(line.figures.mean)} ${unitSign(line.of.unit)}` },
+          { title: 'mean', number: true, of: (line) => `${meanFigure(line.figures.mean, line.figures.a90)} ${unitSign(line.of.unit)}` },
           { title: 'S90', number: true, of: (line) => `${figure(line.figures.u90)} ${unitSign(line.of.unit)}` },
           { title: 'largest', number: true, of: (line) => (line.points === 'all' ? `${signed(line.of.largest, 1)} ${unitSign(line.of.unit)} in row ${count(line.of.largestRow)}` : '') },
         ]}

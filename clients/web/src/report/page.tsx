@@ -149,7 +149,7 @@ function Fitted({ model }: { model: ReportModel }) {
       {model.trouble && <p role="alert">{model.trouble}</p>}
       {model.accuracy.map((one) => (
         <p key={one.unit}>
-          accuracy (A90) <strong>{figure(one.figures.a90)} {unitSign(one.unit)}</strong> ({one.output}, {rowsInWords(one.rows)}, mean {meanFigure(one.figures.mean)} {unitSign(one.unit)}, S90 {figure(one.figures.u90)} {unitSign(one.unit)})
+          accuracy (A90) <strong>{figure(one.figures.a90)} {unitSign(one.unit)}</strong> ({one.output}, {rowsInWords(one.rows)}, mean {meanFigure(one.figures.mean, one.figures.a90)} {unitSign(one.unit)}, S90 {figure(one.figures.u90)} {unitSign(one.unit)})
         </p>
       ))}
       {model.residuals.map((one) => {
@@ -184,7 +184,7 @@ function Verification({ of, run }: { of: ReportVerification; run: string }) {
     <>
       {of.accuracy.map((one) => (
         <p key={one.unit} data-accuracy={one.figures.a90}>
-          accuracy (A90) <strong>{figure(one.figures.a90)} {unitSign(one.unit)}</strong> ({one.output}, {rowsInWords(one.rows)}, mean {meanFigure(one.figures.mean)} {unitSign(one.unit)}, S90 {figure(one.figures.u90)} {unitSign(one.unit)})
+          accuracy (A90) <strong>{figure(one.figures.a90)} {unitSign(one.unit)}</strong> ({one.output}, {rowsInWords(one.rows)}, mean {meanFigure(one.figures.mean, one.figures.a90)} {unitSign(one.unit)}, S90 {figure(one.figures.u90)} {unitSign(one.unit)})
         </p>
       ))}
       <VerificationTable run={run} of={{

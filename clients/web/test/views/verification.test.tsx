@@ -22,7 +22,8 @@ describe('accuracy', () => {
   });
   it('has three digits at most', () => {
     expect([12.849, 9.999, 0.57449, 3, 0].map(figure)).toEqual(['12.8', '10', '0.574', '3', '0']);
-    expect([24.31, -8, 1.5e-10, 0.0004].map(meanFigure)).toEqual(['+24.3', '−8', '0', '+0.0004']);
+    expect(([[24.31, 42], [-8, 13.4], [0.624, 9.24], [1.5e-10, 12.8], [-0.004, 12.8], [0.0004, 0.0021], [3, undefined]] as const).map(([mean, a90]) => meanFigure(mean, a90)))
+      .toEqual(['+24.3', '−8', '+0.62', '0', '0', '+0.0004', '+3']);
   });
 });
 

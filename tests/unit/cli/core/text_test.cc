@@ -31,6 +31,9 @@ TEST(Text, NumbersAreWholeAndFinite) {
   for (const char* bad : {"", " 1", "1 ", "1,5", "0x10", "nan", "inf", "1e999", "--1"})
     EXPECT_FALSE(number_from(bad)) << bad;
   EXPECT_EQ(fixed(-0.0001, 2), "0.00");
+  EXPECT_EQ(signed_fixed(-6e-11, 2), "0.00");
+  EXPECT_EQ(signed_fixed(0.04, 1), "0.0");
+  EXPECT_EQ(signed_fixed(0.06, 1), "+0.1");
 }
 
 TEST(Table, AlignsByCharactersNotBytes) {

@@ -41,7 +41,7 @@ export function FindingPanel({ finding, diagnosis, output, rows, again }: {
             <>
               <p class="muted"><A90 /> held out, {shown.output}: without it → with it</p>
               <p class="diagnosis-change nowrap"><span class="muted">{significant(shown.a90Before)}</span> → <strong>{significant(shown.a90After)}</strong> {shown.unit}</p>
-              <p class="note muted">mean {meanFigure(shown.meanBefore)} → {meanFigure(shown.meanAfter)}, S90 {figure(shown.u90Before)} → {figure(shown.u90After)} {shown.unit}</p>
+              <p class="note muted">mean {meanFigure(shown.meanBefore, shown.a90Before)} → {meanFigure(shown.meanAfter, shown.a90After)}, S90 {figure(shown.u90Before)} → {figure(shown.u90After)} {shown.unit}</p>
               {shown.a90AfterCi90 && <p class="note muted">90 % interval of A90: {significant(shown.a90AfterCi90.low)} to {significant(shown.a90AfterCi90.high)} {shown.unit}</p>}
             </>
           )}

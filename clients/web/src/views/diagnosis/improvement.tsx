@@ -123,7 +123,7 @@ function Turn({ turn, most, undone }: { turn: ImprovementTurn; most: number; und
                   <td class="number">{significant(startOf(gain))} {gain.unit}</td>
                   <td>{gain.measured && <Bar share={gain.measured.a90 / most} />}</td>
                   <td class="number">{gain.measured ? `${significant(gain.measured.a90)} ${gain.unit}` : '–'}</td>
-                  <td class="number">{gain.measured ? `${meanFigure(gain.measured.mean)} ${gain.unit}` : '–'}</td>
+                  <td class="number">{gain.measured ? `${meanFigure(gain.measured.mean, gain.measured.a90)} ${gain.unit}` : '–'}</td>
                   <td class="number">{gain.predicted ? `${significant(gain.before?.a90)} → ${significant(gain.predicted.a90)} ${gain.unit}` : '–'}</td>
                 </tr>
               ))}

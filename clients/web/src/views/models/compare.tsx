@@ -40,7 +40,7 @@ export function ComparePage() {
                   columns={[
                     { title: 'output', of: outputSymbol },
                     { title: 'A90 validation', number: true, of: (output) => `${figure(output.accuracy?.a90Validation)} ${summaryUnit(output)}` },
-                    { title: 'mean', number: true, of: (output) => `${meanFigure(output.accuracy?.meanValidation)} ${summaryUnit(output)}` },
+                    { title: 'mean', number: true, of: (output) => `${meanFigure(output.accuracy?.meanValidation, output.accuracy?.a90Validation)} ${summaryUnit(output)}` },
                     { title: 'A90 blocks', number: true, of: (output) => `${figure(output.accuracy?.a90Blocks)} ${summaryUnit(output)}` },
                     { title: 'A90 calibration', number: true, of: (output) => `${figure(output.accuracy?.a90Calibration)} ${summaryUnit(output)}` },
                     { title: 'terms', number: true, of: (output) => output.terms.filter((term) => term.included).length },

@@ -105,16 +105,16 @@ function OutputTile({ output }: { output: ModelOutput }) {
     <section class="tile" aria-label={`Accuracy of ${outputSymbol(output)}`}>
       <p class="label">{outputSymbol(output)}, <A90 /> on {held?.from ?? 'the fit’s own rows'}</p>
       <p class="value">{figure(held?.value ?? accuracy?.a90Calibration)} <span class="unit">{unit}</span></p>
-      {accuracy?.a90Validation !== undefined && <p class="note muted">validation {figure(accuracy.a90Validation)} (mean {meanFigure(accuracy.meanValidation)}, S90 {figure(accuracy.u90Validation)}) {unit}</p>}
+      {accuracy?.a90Validation !== undefined && <p class="note muted">validation {figure(accuracy.a90Validation)} (mean {meanFigure(accuracy.meanValidation, accuracy.a90Validation)}, S90 {figure(accuracy.u90Validation)}) {unit}</p>}
       {accuracy?.validationSets.map((set) => (
-        <p class="note muted" key={set.name}>of them {set.name}, {`${set.figures?.rowCount}`} rows {figure(set.figures?.a90)} (mean {meanFigure(set.figures?.mean)}, S90 {figure(set.figures?.u90)}) {unit}</p>
+        <p class="note muted" key={set.name}>of them {set.name}, {`${set.figures?.rowCount}`} rows {figure(set.figures?.a90)} (mean {meanFigure(set.figures?.mean, set.figures?.a90)}, S90 {figure(set.figures?.u90)}) {unit}</p>
       ))}
       {accuracy?.a90Blocks !== undefined && (
         <p class="note muted">
-          held-out blocks {figure(accuracy.a90Blocks)} (mean {meanFigure(accuracy.meanBlocks)}, S90 {figure(accuracy.u90Blocks)}; 90 %: {figure(accuracy.a90BlocksLow)} to {figure(accuracy.a90BlocksHigh)}) {unit}
+          held-out blocks {figure(accuracy.a90Blocks)} (mean {meanFigure(accuracy.meanBlocks, accuracy.a90Blocks)}, S90 {figure(accuracy.u90Blocks)}; 90 %: {figure(accuracy.a90BlocksLow)} to {figure(accuracy.a90BlocksHigh)}) {unit}
         </p>
       )}
-      <p class="note muted">calibration {figure(accuracy?.a90Calibration)} (mean {meanFigure(accuracy?.meanCalibration)}) {unit}</p>
+      <p class="note muted">calibration {figure(accuracy?.a90Calibration)} (mean {meanFigure(accuracy?.meanCalibration, accuracy?.a90Calibration)}) {unit}</p>
       <p class="note muted">
         RMSE {significant(accuracy?.rmse, 2)} {unit}; {offered.filter((term) => term.included).length} of {offered.length} terms in
         {accuracy?.pureError !== undefined && `; repeats ${significant(accuracy.pureError, 2)} ${unit}`}

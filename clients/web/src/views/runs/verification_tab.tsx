@@ -48,7 +48,7 @@ export function VerificationTab({ run }: { run: Run }) {
                   { title: 'coordinate', of: (one) => one.output },
                   { title: `A90 of run ${change.againstRunId}`, number: true, of: (one) => `${figure(one.before?.a90)} ${unitSign(one.unit)}` },
                   { title: `of run ${change.runId}`, number: true, of: (one) => <strong>{figure(one.figures?.a90)} {unitSign(one.unit)}</strong> },
-                  { title: 'mean', number: true, of: (one) => `${meanFigure(one.before?.mean)} → ${meanFigure(one.figures?.mean)} ${unitSign(one.unit)}` },
+                  { title: 'mean', number: true, of: (one) => `${meanFigure(one.before?.mean, one.before?.a90)} → ${meanFigure(one.figures?.mean, one.figures?.a90)} ${unitSign(one.unit)}` },
                   { title: 'S90', number: true, of: (one) => `${figure(one.before?.u90)} → ${figure(one.figures?.u90)} ${unitSign(one.unit)}` },
                 ]}
               />
