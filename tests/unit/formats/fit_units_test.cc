@@ -7,6 +7,7 @@
 #include <random>
 
 #include "server/formats/formula/formula.h"
+#include "server/formats/model/coefficient_unit.h"
 
 namespace driftwise::formats {
 namespace {
@@ -71,6 +72,26 @@ TEST(TheSameReadingsInOtherUnits, AreTheSameFitOfAnglesToo) {
   expect_the_same_fit(
       {"deg", 1}, {{"rad", std::numbers::pi / 180}, {"arcsec", 3600}}, "rz",
       "q1 ~ rz + play(q1, 7.2 arcsec) + creep(q1, 300 s) + sin(rz, 72 arcsec) + cos(rz, 0.02 deg)");
+}
+
+// mm/(mm mm mm) is a reader's puzzle.
+TEST(TheUnitOfACoefficient, HasEachUnitOnceWithItsPower) {
+  calibration::Model model;
+  for (const char* pose : {"x", "y", "z"}) model.domain.push_back({{pose, "mm"}, 0, 1});
+  model.domain.push_back({{"t07", "degC"}, 20, 21});
+  model.domain.push_back({{"force", "N"}, 0, 1});
+  model.domain.push_back({{"q1", "mm"}, 0, 1});
+  calibration::OutputModel output;
+  output.channel = {"q1", "mm"};
+  const auto unit = [&](const std::string& term) {
+    return coefficient_unit(output, *parse_term(term), model);
+  };
+  EXPECT_EQ(unit("x"), "mm/mm");
+  EXPECT_EQ(unit("x:y^2:z"), "mm/mm^4");
+  EXPECT_EQ(unit("x:y:t07"), "mm/(mm^2 degC)");
+  EXPECT_EQ(unit("x:lag(t07, 300 s)"), "mm/(mm degC)");
+  EXPECT_EQ(unit("contact(force)"), "mm/N^(2/3)");
+  EXPECT_EQ(unit("play(q1, 200 nm)"), "mm/mm");
 }
 
 }  // namespace
