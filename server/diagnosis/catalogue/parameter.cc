@@ -1,7 +1,10 @@
 #include "server/diagnosis/catalogue/parameter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 namespace driftwise::diagnosis {
 namespace {
@@ -121,6 +124,19 @@ Refined refine(const Cause& cause, double start, const std::vector<double>& inst
   if (at_a > best.gain) best = {scale.from(a), at_a};
   if (at_b > best.gain) best = {scale.from(b), at_b};
   return best;
+}
+
+double as_written(const Cause& cause, double value) {
+  constexpr int kFewestDigits = 6;
+  constexpr double kToldApart = 1e-4;  // of the interval that the search begins with
+  if (!is_continuous(cause) || !(value > 0)) return value;
+  const auto [below, above] = neighbours(cause, value);
+  if (!(above > below)) return value;
+  const double needed = std::ceil(std::log10(value / (kToldApart * (above - below))));
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*e",
+                std::max(kFewestDigits, static_cast<int>(needed)) - 1, value);
+  return std::strtod(text.data(), nullptr);
 }
 
 std::optional<Profile> profile(const Cause& cause, const Refined& at,

@@ -23,6 +23,11 @@ struct Refined {
 Refined refine(const Cause& cause, double start, const std::vector<double>& instants,
                const GainOf& gain);
 
+// The value as it is written in a term: six significant digits, and as many more as the search
+// tells apart between the neighbours on the cause's grid. "313.436 nm", not "313.43600293706527".
+// Instants, degrees and causes without a parameter: the value.
+double as_written(const Cause& cause, double value);
+
 struct Profile {
   Interval ci90;
   std::vector<CurvePoint> curve;

@@ -8,6 +8,7 @@
 #include "server/core/units.h"
 #include "server/diagnosis/answer/u90.h"
 #include "server/diagnosis/catalogue/linear_parameter.h"
+#include "server/diagnosis/catalogue/parameter.h"
 #include "server/diagnosis/growth/correction_reach.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
@@ -71,6 +72,17 @@ AlongAxis axis_of(const Problem& problem, Eigen::MatrixXd sizes, const Eigen::Ve
   return best;
 }
 
+// A term is copied into formulas: a number of it has no more digits than the search tells apart.
+std::vector<effects::Term> written_terms(const Cause& cause, const Named& named) {
+  if (!has_values(cause)) return named.terms;
+  std::vector<effects::Term> terms;
+  for (const auto& value : named.values) {
+    const auto written = with_parameter(value.terms, as_written(cause, value.parameter));
+    terms.insert(terms.end(), written.begin(), written.end());
+  }
+  return terms;
+}
+
 Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                    const Extension& extension, std::size_t index) {
   const Named& named = extension.named()[index];
@@ -79,7 +91,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                   .subject = cause.subject,
                   .where = cause.where,
                   .applies_to = cause.applies_to,
-                  .terms = named.terms,
+                  .terms = written_terms(cause, named),
                   .p_adjusted = named.p_adjusted,
                   .log_likelihood_ratio = named.likelihood / 2};
   const bool any_angle = std::ranges::any_of(
