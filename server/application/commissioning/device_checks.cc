@@ -134,7 +134,8 @@ void check_clock(const Judge& judge, const Heard& heard, CellTime now, std::int6
   const auto& health = heard.status.health;
   if (!health.clock_offset) return;
   const double off_s = seconds_from(*health.clock_offset - Nanoseconds(utc_ns - now.utc_ns));
-  judge.add("clock", fmt::format("{:+.2f} s from this computer's UTC", off_s),
+  const double shown_s = std::round(100 * off_s) / 100 + 0.0;  // no "-0.00"
+  judge.add("clock", fmt::format("{:+.2f} s from this computer's UTC", shown_s),
             fmt::format("within {:g} s", health.max_clock_offset_s),
             std::abs(off_s) <= health.max_clock_offset_s ? Finding::good : Finding::warning,
             "set its clock; readings count by the measured offset meanwhile");

@@ -16,9 +16,14 @@ namespace {
 
 constexpr int kMostRuns = 1000;
 
+bool is_temperature(const Channel& channel) {
+  return channel.unit == "degC" || channel.unit == "K";
+}
+
 }  // namespace
 
-std::vector<ProcedureSource> sources_of(const CellDescription& cell) {
+std::vector<ProcedureSource> sources_of(const CellDescription& cell,
+                                        const std::vector<LatestValue>& values) {
   ProcedureSource lengths{"geometry (lengths)", ""}, angles{"parasitic rotations", ""},
       robot{"temperatures of the robot", ""}, bench{"temperatures of the instruments", ""},
       air{"temperature of the air", ""}, weather{"pressure and humidity of the air", ""},
@@ -27,7 +32,12 @@ std::vector<ProcedureSource> sources_of(const CellDescription& cell) {
     to.measured_by += (to.measured_by.empty() ? "" : ", ") + channel.name();
   };
   for (const auto& device : cell.devices) {
-    if (device.length()) add(lengths, device.length()->channel);
+    if (device.length()) {
+      add(lengths, device.length()->channel);
+      // An interferometer's thermometer is that of the air along its beam.
+      for (const auto& value : values)
+        if (value.device == device.id && is_temperature(value.channel)) add(air, value.channel);
+    }
     for (const auto& angle : device.angles()) add(angles, angle.channel);
     for (const auto& probe : device.probes())
       add(probe.part == "air" ? air : probe.part == "instrument" ? bench : robot, probe.channel);
@@ -36,7 +46,7 @@ std::vector<ProcedureSource> sources_of(const CellDescription& cell) {
       for (const auto& quantity : device.quantities()) add(force, quantity.channel);
     if (std::holds_alternative<EnvironmentSettings>(device.settings))
       for (const auto& quantity : device.quantities())
-        add(is_structure_temperature(quantity.channel) ? air : weather, quantity.channel);
+        add(is_temperature(quantity.channel) ? air : weather, quantity.channel);
   }
   // Weights that a person hangs: nothing measures them, and the record knows them.
   if (force.measured_by.empty())
@@ -71,7 +81,7 @@ void take_runs(const std::vector<RunRecord>& newest_first, ProcedureFacts& facts
 
 Awaitable<Result<std::vector<ProcedureStep>>> Procedures::steps() {
   ProcedureFacts facts;
-  facts.sources = sources_of(cell_.overview.description());
+  facts.sources = sources_of(cell_.overview.description(), cell_.overview.status().values);
   DRIFTWISE_CO_TRY(const auto runs, co_await cell_.records.runs().runs(kMostRuns, 0));
   take_runs(runs, facts);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await look_at_model(facts));

@@ -5,6 +5,7 @@
 
 #include "server/application/cell/services.h"
 #include "server/application/procedure/procedure_steps.h"
+#include "server/application/status/cell_status.h"
 #include "server/core/description/cell_description.h"
 #include "server/core/ports/awaitable.h"
 #include "server/core/records/records.h"
@@ -13,8 +14,9 @@
 namespace driftwise::application {
 
 // Kinds of sources of inaccuracy (table 4.1 of the study), and the channels of this cell that
-// measure each.
-std::vector<ProcedureSource> sources_of(const CellDescription& cell);
+// measure each. values: of the cell now, which have what an instrument reads beside its length.
+std::vector<ProcedureSource> sources_of(const CellDescription& cell,
+                                        const std::vector<LatestValue>& values);
 
 // Newest first: what the runs are, and the newest statement of a wanted accuracy. Runs whose rows
 // are a file's are none of this cell's procedure.

@@ -210,8 +210,13 @@ TEST(SourcesOfInaccuracy, AreMeasuredByTheChannelsOfTheCell) {
   probes[0].part = "robot";
   probes[1].channel = {"t01", "degC"};
   probes[1].part = "instrument";
+  laser.id = "laser-x";
   cell.devices = {laser, scanner};
-  const auto by = [sources = sources_of(cell)](const std::string& name) {
+  LatestValue level, air;
+  level.device = air.device = "laser-x";
+  level.channel = {"level_x", "pct"};
+  air.channel = {"air_x", "degC"};
+  const auto by = [sources = sources_of(cell, {level, air})](const std::string& name) {
     for (const auto& source : sources)
       if (source.name == name) return source.measured_by;
     return std::string("no such source");
@@ -219,10 +224,11 @@ TEST(SourcesOfInaccuracy, AreMeasuredByTheChannelsOfTheCell) {
   EXPECT_EQ(by("geometry (lengths)"), "x_mm");
   EXPECT_EQ(by("temperatures of the robot"), "t04_degC");
   EXPECT_EQ(by("temperatures of the instruments"), "t01_degC");
+  EXPECT_EQ(by("temperature of the air"), "air_x_degC") << "the interferometer's own probe";
   EXPECT_EQ(by("parasitic rotations"), "");
   EXPECT_EQ(by("process force"), "");
   cell.load.emplace();
-  const auto with_load = sources_of(cell);
+  const auto with_load = sources_of(cell, {});
   EXPECT_EQ(with_load.back().measured_by, "force_N");
 }
 
