@@ -2,6 +2,7 @@
 // The model in service: promoted, rolled back. Executor's thread.
 
 #include <optional>
+#include <string>
 
 #include "server/application/ports/caller.h"
 #include "server/core/ports/awaitable.h"
@@ -14,10 +15,11 @@ class Promotions {
  public:
   virtual ~Promotions() = default;
 
-  // confirmed: a person has read ModelGround::promotion_questions. Errors: failed_precondition
-  // NEEDS_CONFIRMATION, with the questions.
-  virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id,
-                                                 bool confirmed = false) = 0;
+  // confirmed: a person has read ModelGround::promotion_questions. reason: why it serves all the
+  // same, kept as a note on the model. Errors: failed_precondition NEEDS_CONFIRMATION, with the
+  // questions; REASON_REQUIRED, with those that confirmed alone does not answer.
+  virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed = false,
+                                                 std::string reason = {}) = 0;
   // To the model that served before; none: no model serves. Errors: failed_precondition
   // NOTHING_TO_ROLL_BACK.
   virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) = 0;

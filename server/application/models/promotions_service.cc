@@ -58,18 +58,32 @@ void PromotionsService::announce(const Caller& caller, std::optional<ModelRecord
   served_another_(next.has_value());
 }
 
-Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId id,
-                                                          bool confirmed) {
+Awaitable<Result<void>> PromotionsService::keep_reason(Caller caller, ModelId id,
+                                                       std::string reason) {
+  NoteSubject on;
+  on.model = id;
+  NoteRecord note{0, on, "promoted, because: " + reason, clock_.now(), caller.name, caller.peer};
+  DRIFTWISE_CO_TRY(const auto stored, co_await writer_.remarks().add_note(std::move(note)));
+  events_.record(caller, "note.added",
+                 fmt::format("{} on model {}: {}", caller.name, id.value, stored.text));
+  co_return Result<void>{};
+}
+
+Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId id, bool confirmed,
+                                                          std::string reason) {
   auto record = co_await models_.get(id);
   if (!record) co_return record;
   auto looking = provenance_.ground_of_model(id);
   DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
   if (!confirmed) DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(ground.promotion_questions));
+  if (reason.empty()) DRIFTWISE_CO_RETURN_IF_ERROR(reason_for(ground.questions_for_a_reason));
   for (const auto& question : ground.promotion_questions)
     events_.record(
         caller, "model.confirmed",
         fmt::format("{} promotes model {} although {}", caller.name, id.value, question));
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(std::move(caller), *record, "promote"));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(caller, *record, "promote"));
+  if (!reason.empty())
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep_reason(std::move(caller), id, std::move(reason)));
   co_return record;
 }
 

@@ -28,7 +28,8 @@ class PromotionsService final : public Promotions {
         serving_(serving),
         served_another_(std::move(served_another)) {}
 
-  Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed) override;
+  Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed,
+                                         std::string reason) override;
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
 
   // What a roll-back would serve. Errors: failed_precondition NOTHING_TO_ROLL_BACK.
@@ -39,6 +40,7 @@ class PromotionsService final : public Promotions {
                 std::optional<ModelId> before = {});
 
  private:
+  Awaitable<Result<void>> keep_reason(Caller caller, ModelId id, std::string reason);
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
                                          std::string action);
 

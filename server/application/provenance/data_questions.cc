@@ -13,7 +13,7 @@ namespace {
 // A robot follows the air of a room over hours: what minutes show of it is next to nothing.
 constexpr double kShortCampaign_s = 600;
 
-// An imported robot file has a question of its own (accuracy_questions).
+// An imported robot file has a question of its own (imported_geometry_questions).
 bool has_data(const calibration::Model& model) {
   return model.lineage.rows_calibration + model.lineage.rows_validation > 0;
 }

@@ -20,6 +20,16 @@ const ProbeDescription* probe_of(const CellDescription& cell, const std::string&
   return nullptr;
 }
 
+bool is_imported_geometry(const calibration::Model& model) {
+  return model.geometry && model.geometry->covariance.size() == 0;
+}
+
+std::string joined(const std::vector<std::string>& questions) {
+  std::string text;
+  for (const auto& question : questions) text += (text.empty() ? "" : "; ") + question;
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> symbols_used(const calibration::Model& model) {
@@ -60,10 +70,7 @@ std::vector<std::string> temperature_questions(const calibration::Model& model,
 
 std::vector<std::string> accuracy_questions(const calibration::Model& model,
                                             const std::vector<RunMetadata>& of_its_runs) {
-  if (model.geometry && model.geometry->covariance.size() == 0)
-    return {
-        "it is a robot file as it was imported: no data judged it, so that neither its domain nor "
-        "its uncertainty is known (model import --data judges it)"};
+  if (is_imported_geometry(model)) return {};
   std::vector<WantedAccuracy> wanted;
   for (const auto& metadata : of_its_runs)
     for (const auto& item : metadata)
@@ -89,6 +96,13 @@ std::vector<std::string> accuracy_questions(const calibration::Model& model,
   return questions;
 }
 
+std::vector<std::string> imported_geometry_questions(const calibration::Model& model) {
+  if (!is_imported_geometry(model)) return {};
+  return {
+      "it is a robot file as it was imported: no data judged it, so that neither its domain nor "
+      "its uncertainty is known (model import --data judges it)"};
+}
+
 std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on) {
   std::vector<std::string> questions;
   for (const auto& correction : rests_on)
@@ -112,12 +126,18 @@ std::vector<std::string> configuration_questions(
 
 Result<void> confirmation_of(const std::vector<std::string>& questions) {
   if (questions.empty()) return {};
-  std::string text;
-  for (const auto& question : questions) text += (text.empty() ? "" : "; ") + question;
   return fail(ErrorCode::failed_precondition, reasons::kNeedsConfirmation,
               fmt::format("before it serves a person has to confirm that it shall although {} "
                           "(--yes, or confirmed in the request)",
-                          text));
+                          joined(questions)));
+}
+
+Result<void> reason_for(const std::vector<std::string>& questions) {
+  if (questions.empty()) return {};
+  return fail(ErrorCode::failed_precondition, reasons::kReasonRequired,
+              fmt::format("{}: say why it serves all the same, for the record (--reason 'TEXT', or "
+                          "reason in the request)",
+                          joined(questions)));
 }
 
 }  // namespace driftwise::application

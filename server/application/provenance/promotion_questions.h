@@ -27,14 +27,19 @@ std::vector<std::string> configuration_questions(
 
 // A model of runs whose campaign states a wanted accuracy (server/core/records/wanted_accuracy.h,
 // of several runs the smallest): outputs that miss it, or that it was judged on no validation rows.
-// A robot's geometry that no data judged: that.
+// A robot's geometry that no data judged is asked about that alone: imported_geometry_questions.
 std::vector<std::string> accuracy_questions(const calibration::Model& model,
                                             const std::vector<RunMetadata>& of_its_runs);
+
+// A robot file as it was imported, which no data judged.
+std::vector<std::string> imported_geometry_questions(const calibration::Model& model);
 
 // Symbols that the model's included terms and outputs read, each once.
 std::vector<std::string> symbols_used(const calibration::Model& model);
 
 // Errors: failed_precondition NEEDS_CONFIRMATION, where there is a question.
 Result<void> confirmation_of(const std::vector<std::string>& questions);
+// Errors: failed_precondition REASON_REQUIRED, where there is a question.
+Result<void> reason_for(const std::vector<std::string>& questions);
 
 }  // namespace driftwise::application

@@ -31,6 +31,8 @@ struct ModelGround {
       corrections;  // that it rests on, in force or not; changes: of its runs
   // What a person has to answer before it serves: sentences.
   std::vector<std::string> promotion_questions;
+  // Those of them that a reason in writing answers.
+  std::vector<std::string> questions_for_a_reason;
 };
 
 class Provenance {

@@ -75,8 +75,10 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
     DRIFTWISE_TRY(auto of_run, store.runs().run(run));
     metadata.push_back(std::move(of_run.metadata));
   }
+  ground.questions_for_a_reason = accuracy_questions(model, metadata);
   for (auto& questions :
-       {accuracy_questions(model, metadata), origin_questions(model, data, present),
+       {ground.questions_for_a_reason, imported_geometry_questions(model),
+        origin_questions(model, data, present),
         campaign_questions(model, data, present, judged_later),
         temperature_questions(model, present), correction_questions(ground.corrections),
         configuration_questions(model, ground.changes_since)})

@@ -107,6 +107,8 @@ void add_ground(const application::ModelGround& ground, v1::GetModelResponse& ou
   for (const auto& change : ground.changes_since) *out.add_changes_since() = change_from(change);
   for (const auto& correction : ground.corrections)
     *out.mutable_model()->add_corrections() = mark_from(correction);
+  for (const auto& question : ground.questions_for_a_reason)
+    out.add_questions_for_a_reason(utf8_from(question));
   for (const auto& question : ground.promotion_questions)
     out.add_promotion_questions(utf8_from(question));
 }

@@ -135,11 +135,13 @@ class ModelService final : public v1::ModelService::CallbackService {
                         v1::PromoteModelResponse* response) override {
     return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      DRIFTWISE_CO_TRY(auto reason, line_from(request->reason(), kMostNoteBytes, "reason"));
+      if (reason.find_first_not_of(' ') == std::string::npos) reason.clear();
       std::optional<ModelRecord> before;
       if (const auto serving = overview_.status().serving)
         if (auto record = co_await models_.get(*serving)) before = std::move(*record);
       auto promoting = promotions_.promote(caller_of(*context), ModelId{request->model_id()},
-                                           request->confirmed());
+                                           request->confirmed(), std::move(reason));
       const auto promoted = co_await std::move(promoting);
       co_return put(whole(promoted, before ? &*before : nullptr), *response->mutable_model());
     });

@@ -110,10 +110,11 @@ TEST_F(ModelCommandsTest, APromotionWithAQuestionAsks) {
   EXPECT_EQ(run({"model", "promote", "2", "--yes"}).exit, 0);
 }
 
-// A file of another machine, with travels that this one has not.
-TEST_F(ModelCommandsTest, APromotionOfAModelOfAnImportedRunAsks) {
-  cell.on_store([](Store& store) {
+// Model 2: of a file of another machine, with travels that this one has not.
+void add_model_of_a_file(LiveCell& cell, const RunMetadata& metadata = {}) {
+  cell.on_store([&](Store& store) {
     NewRun file;
+    file.metadata = metadata;
     file.name = "messung.csv";
     file.rules_json = "{}";
     file.created = {kWorldBegin, 0};
@@ -130,6 +131,10 @@ TEST_F(ModelCommandsTest, APromotionOfAModelOfAnImportedRunAsks) {
     record.hash = *formats::stored_model_hash(record.json);
     ASSERT_TRUE(store.models().add_model(record));
   });
+}
+
+TEST_F(ModelCommandsTest, APromotionOfAModelOfAnImportedRunAsks) {
+  add_model_of_a_file(cell);
   const auto page = run({"model", "show", "2"});
   EXPECT_THAT(page.out, HasSubstr("cell file   none: not fitted from a run of this cell\n"));
   EXPECT_THAT(page.out, testing::Not(HasSubstr("Instruments, as declared")));
@@ -140,6 +145,19 @@ TEST_F(ModelCommandsTest, APromotionOfAModelOfAnImportedRunAsks) {
   EXPECT_THAT(nobody.err, HasSubstr("this cell did not measure run 1 'messung.csv'"));
   EXPECT_THAT(nobody.err, HasSubstr("with q1_mm from -92 to 94, in 2 rows beyond its soft limits"));
   EXPECT_EQ(run({"model", "promote", "2", "--yes"}).exit, 0);
+}
+
+TEST_F(ModelCommandsTest, AModelThatMissesTheWantedAccuracyServesForAReasonOnly) {
+  add_model_of_a_file(cell, {{"wanted_a90_nm", "5"}});
+  const auto without = run({"model", "promote", "2", "--yes"});
+  EXPECT_EQ(without.exit, 5);
+  EXPECT_THAT(without.err, HasSubstr("wants an A90 of 5 nm and it has 9.7 nm (q1): say why"));
+  EXPECT_EQ(run({"model", "promote", "2", "--yes", "--reason", " "}).exit, 5) << "a blank is none";
+  EXPECT_TRUE(json({"note", "list", "--model", "2"})["notes"].empty())
+      << "nothing was promoted, so there is no 'promoted, because'";
+  EXPECT_EQ(run({"model", "promote", "2", "--yes", "--reason", "a trial"}).exit, 0);
+  EXPECT_EQ(json({"note", "list", "--model", "2"})["notes"][0]["text"],
+            "promoted, because: a trial");
 }
 
 TEST_F(ModelCommandsTest, ExportsJsonAndC) {

@@ -151,6 +151,10 @@ TEST_F(ModelServiceTest, PromotesOneAndRollsBackToNone) {
               FailsWith(ErrorCode::failed_precondition, "NEEDS_CONFIRMATION"))
       << "no run of this cell made it";
   promoted.set_confirmed(true);
+  promoted.set_reason(std::string(17 * 1024, 'x'));
+  EXPECT_THAT(ask(&ModelStub::PromoteModel, promoted),
+              FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
+  promoted.clear_reason();
   EXPECT_TRUE(ask(&ModelStub::PromoteModel, promoted)->model().serving());
   EXPECT_TRUE(ask(&ModelStub::ListModels, v1::ListModelsRequest{})->models(0).serving());
   EXPECT_EQ(ask(&ModelStub::ListModels, v1::ListModelsRequest{})->models(0).outputs(0).terms_size(),

@@ -1,6 +1,5 @@
 #include "clients/cli/commands/models/model_commands.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -20,7 +19,6 @@
 #include "clients/cli/core/validators.h"
 #include "clients/cli/pages/accuracy_line.h"
 #include "clients/cli/pages/model_page.h"
-#include "driftwise/v1/data_service.grpc.pb.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "driftwise/v1/record_service.grpc.pb.h"
 
@@ -133,24 +131,18 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   const auto page = connection.ask(&ModelStub::GetModel, asked);
   std::vector<std::string> facts(page.promotion_questions().begin(),
                                  page.promotion_questions().end());
-  const auto wanted = std::ranges::find_if(
-      facts, [](const std::string& fact) { return fact.starts_with("its campaign wants"); });
-  if (wanted != facts.end() && a.reason.empty())
-    throw Failure{ExitCode::refused, "failed_precondition", "NEEDS_REASON",
-                  *wanted + ": say why it serves all the same, for the record: --reason 'TEXT'"};
+  if (!page.questions_for_a_reason().empty() && a.reason.empty())
+    throw Failure{ExitCode::refused, "failed_precondition", "REASON_REQUIRED",
+                  page.questions_for_a_reason(0) +
+                      ": say why it serves all the same, for the record: --reason 'TEXT'"};
   if (!facts.empty())
     confirm(session.console, a.yes,
             "model " + std::to_string(a.id) + " would serve every controller, although:", facts,
             "Promote it");
-  if (!a.reason.empty()) {
-    v1::CreateNoteRequest note;
-    note.mutable_on()->set_model_id(a.id);
-    note.set_text("promoted, because: " + a.reason);
-    static_cast<void>(connection.ask(&v1::DataService::Stub::CreateNote, note));
-  }
   v1::PromoteModelRequest request;
   request.set_model_id(a.id);
   request.set_confirmed(!facts.empty());
+  request.set_reason(a.reason);
   return serving_now(session, true, connection.ask(&ModelStub::PromoteModel, request).model());
 }
 

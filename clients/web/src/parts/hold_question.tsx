@@ -4,8 +4,7 @@ import { computed, signal } from '@preact/signals';
 import { RunHold_Kind, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { operatorName } from '@/app/session';
 import { dateClock, duration, ms } from '@/format/time';
-import { confirm } from '@/ui/confirm';
-import { Field } from '@/ui/field';
+import { confirm, ReasonField } from '@/ui/confirm';
 
 export interface HoldAnswer {
   holdId: bigint;
@@ -37,15 +36,11 @@ export async function askAboutHold(run: Run, cellTimeMs: number | undefined, ver
     facts: [
       [whatOf[hold.kind], hold.who ? `${hold.who}${ago}` : `since ${dateClock(sinceMs)}`],
       ['Why', hold.reason],
-      ...(byAnother ? [['For the record', <ReasonField reason={reason} />] as const] : []),
+      ...(byAnother ? [['For the record', <ReasonField label="Why the robot may move after another person's stop" reason={reason} />] as const] : []),
     ],
     off,
     verb,
     keep: 'Leave it standing',
   });
   return yes ? { holdId: hold.id, overrideReason: reason.value.trim() } : undefined;
-}
-
-function ReasonField({ reason }: { reason: { value: string } }) {
-  return <Field label="Why the robot may move after another person's stop" value={reason.value} onInput={(text) => (reason.value = text)} />;
 }

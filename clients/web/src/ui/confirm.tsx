@@ -3,6 +3,7 @@ import { signal, type ReadonlySignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 import { Button } from './button';
+import { Field } from './field';
 
 export interface Question {
   title: string; // "Abort run 17?"
@@ -19,6 +20,11 @@ const asked = signal<{ question: Question; answer: (yes: boolean) => void } | un
 export function confirm(question: Question): Promise<boolean> {
   asked.value?.answer(false);
   return new Promise((answer) => (asked.value = { question, answer }));
+}
+
+// A reason in writing, among the facts of a question whose `off` waits for it.
+export function ReasonField({ label, reason }: { label: string; reason: { value: string } }) {
+  return <Field label={label} value={reason.value} onInput={(text) => (reason.value = text)} />;
 }
 
 // Stands once in the shell.

@@ -15,6 +15,8 @@ import { Rests } from '@/parts/rests';
 import { cell } from '@/live/state';
 import { operatorName } from '@/app/session';
 import { create } from '@bufbuild/protobuf';
+import { createRouterTransport } from '@connectrpc/connect';
+import { ModelService } from '@/api/gen/driftwise/v1/model_service_pb';
 import { CorrectionMarkSchema } from '@/api/gen/driftwise/v1/provenance_pb';
 import { GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { model } from '../fake/models';
@@ -87,6 +89,20 @@ describe('what changes for others', () => {
     fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
     expect(await screen.findByText('t01 is a thermometer of the instrument')).toBeTruthy();
     expect(screen.getByRole('button', { name: 'Promote model 11 all the same' })).toBeTruthy();
+  });
+  it('promotes a model that misses the wanted accuracy for a reason in writing only', async () => {
+    const promoteModel = vi.fn(() => ({}));
+    useTransport(createRouterTransport(({ service }) => service(ModelService, { promoteModel })));
+    const missed = 'its campaign wants an A90 of 5 nm and it has 9.7 nm (q1)';
+    render(<><Promote model={model(11)} questions={[missed]} forReason={[missed]} onDone={() => {}} /><ConfirmDialog /></>);
+    fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
+    const verb = await screen.findByRole('button', { name: 'Promote model 11 all the same' });
+    expect(verb.getAttribute('aria-disabled')).toBe('true');
+    fireEvent.click(verb);
+    expect(promoteModel).not.toHaveBeenCalled();
+    fireEvent.input(screen.getByRole('textbox', { name: 'Why it serves all the same' }), { target: { value: ' a trial ' } });
+    fireEvent.click(verb);
+    await vi.waitFor(() => expect(promoteModel).toHaveBeenCalledWith(expect.objectContaining({ modelId: 11n, confirmed: true, reason: 'a trial' }), expect.anything()));
   });
   it('says when a model rests on a correction that was taken back', () => {
     render(<Rests what="fitted on data with" marks={[create(CorrectionMarkSchema, { correctionId: 3n, diagnosisId: 5n, acceptedBy: 'ben', endTime: { seconds: 1n }, endedBy: 'anna', changes: [{ channel: 'x_mm', runId: 17n, largestNm: 3219.4, rowCount: 200n }] })]} />);

@@ -56,14 +56,15 @@ TEST(AccuracyQuestions, AskForValidationRows) {
   EXPECT_THAT(questions[0], HasSubstr("no validation rows"));
 }
 
-TEST(AccuracyQuestions, AreAskedOfARobotFileThatNoDataJudged) {
+TEST(ImportedGeometryQuestions, AreAskedOfARobotFileThatNoDataJudged) {
   auto model = model_of(80e-6, 0);
   model.geometry.emplace();
-  const auto questions = accuracy_questions(model, {});
+  const auto questions = imported_geometry_questions(model);
   ASSERT_THAT(questions, SizeIs(1));
   EXPECT_THAT(questions[0], HasSubstr("no data judged it"));
+  EXPECT_THAT(accuracy_questions(model, {{{"wanted_a90_nm", "100"}}}), IsEmpty());
   model.geometry->covariance = Eigen::MatrixXd::Identity(3, 3);  // identified on data
-  EXPECT_THAT(accuracy_questions(model, {}), IsEmpty());
+  EXPECT_THAT(imported_geometry_questions(model), IsEmpty());
 }
 
 TEST(AccuracyQuestions, KeepUnitsApart) {

@@ -1,11 +1,12 @@
 // What changes which model serves: asked once, with from and to; the stream confirms it.
+import { computed, signal } from '@preact/signals';
 import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
 import { ExportModelRequest_Format } from '@/api/gen/driftwise/v1/model_service_pb';
 import { modelApi } from '@/api/model';
 import { cell } from '@/live/state';
 import { servedText } from '@/parts/served';
 import { Button, CommandButton } from '@/ui/button';
-import { confirm } from '@/ui/confirm';
+import { confirm, ReasonField } from '@/ui/confirm';
 import { download } from '@/ui/download';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
@@ -14,12 +15,15 @@ import { headingText } from './figures';
 export const affected = 'every controller and run that asks for targets, from its next target on';
 const served = (id: bigint | undefined) => servedText('model', id);
 
-export function Promote({ model, questions = [], onDone }: { model: Model; questions?: readonly string[]; onDone: () => void }) {
-  const command = useCommand(async () => {
-    await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0 });
+// forReason: those of the questions that are answered in writing, as `driftwise model promote --reason` does.
+export function Promote({ model, questions = [], forReason = [], onDone }: { model: Model; questions?: readonly string[]; forReason?: readonly string[]; onDone: () => void }) {
+  const command = useCommand(async (reason: string) => {
+    await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0, reason });
     onDone();
   });
   const ask = async () => {
+    const reason = signal('');
+    const off = computed(() => (forReason.length > 0 && reason.value.trim() === '' ? `${forReason[0]}: write why it serves all the same` : undefined));
     const yes = await confirm({
       title: `Promote model ${model.id}?`,
       facts: [
@@ -29,12 +33,14 @@ export function Promote({ model, questions = [], onDone }: { model: Model; quest
         ['who is affected', affected],
         ['to undo', 'Roll back'],
         ...questions.map((question) => ['although', question] as const),
+        ...(forReason.length > 0 ? [['for the record', <ReasonField label="Why it serves all the same" reason={reason} />] as const] : []),
       ],
+      off,
       bad: questions.length > 0,
       verb: `Promote model ${model.id}${questions.length > 0 ? ' all the same' : ''}`,
       keep: `Keep ${served(cell.value?.servingModelId)}`,
     });
-    if (yes) await command.send();
+    if (yes) await command.send(reason.value.trim());
   };
   return (
     <>
