@@ -8,22 +8,21 @@
 #include "server/core/units.h"
 
 namespace driftwise::cli {
-namespace {
 
 std::string answered_by(const v1::JointTarget& target) {
   std::string text = "plan " + std::to_string(target.plan_id());
-  for (const auto& robot : target.robots())
+  for (const auto& robot : target.robots()) {
+    const std::string fine = std::to_string(robot.model_id()),
+                      coarse = std::to_string(robot.coarse_model_id());
     text += ", " + robot.robot() + "=" +
-            (robot.by() == v1::RobotAnswer::BY_COARSE  ? "coarse:"
-             : robot.by() == v1::RobotAnswer::BY_FINE  ? "fine:"
-             : robot.by() == v1::RobotAnswer::BY_BLEND ? "blend:"
-                                                       : "") +
-            std::to_string(robot.model_id());
+            (robot.by() == v1::RobotAnswer::BY_COARSE  ? "coarse:" + coarse
+             : robot.by() == v1::RobotAnswer::BY_FINE  ? "fine:" + fine
+             : robot.by() == v1::RobotAnswer::BY_BLEND ? "blend:" + fine + "+" + coarse
+                                                       : fine);
+  }
   for (const auto& flag : target.flags()) text += " " + flag;
   return text;
 }
-
-}  // namespace
 
 Error error_of(const Failure& failure) {
   const ErrorCode code = failure.exit == ExitCode::unreachable ? ErrorCode::unavailable

@@ -8,6 +8,10 @@
 #include "clients/cli/core/connection.h"
 #include "server/formats/indentation/indentation_file.h"
 
+namespace driftwise::v1 {
+class JointTarget;
+}
+
 namespace driftwise::cli {
 
 // The tool of the robot above in its frame; tilts and height of the robot below.
@@ -18,6 +22,9 @@ struct IndentPose {
 
 using Motors = std::map<std::string, double>;  // "mn.q1_mm" -> mm
 
+// "plan 1, mn=5, ma=coarse:1 OUTSIDE_DOMAIN(t19_degC)": each robot with the models that answered.
+std::string answered_by(const v1::JointTarget& target);
+
 class IndentMotors {
  public:
   IndentMotors(const Connection& connection, const formats::IndentationFile& file)
@@ -26,7 +33,7 @@ class IndentMotors {
   // Of this robot of the file. Errors: those of ComputeJointTarget; invalid_argument OUTSIDE_DOMAIN
   // (the arms of the robot above do not reach the place).
   Result<Motors> of(const std::string& robot, const IndentPose& pose);
-  // The last answer's source: "plan 1, mn=5, ma=coarse:2", "geometry, raw motor coordinates: ...".
+  // The last answer's source: "plan 1, mn=5, ma=coarse:1", "geometry, raw motor coordinates: ...".
   const std::string& by() const { return by_; }
 
  private:

@@ -60,7 +60,8 @@ describe('an indentation', () => {
       who: 'plan 1: mn by model 5, ma by model 2 (fine)',
       doubts: ['outside what the model was fitted on (t19, t09)', 'the zero of the present datum was taken outside what the model was fitted on (t19)', 'by the coarse model of a robot (ma)'],
     });
-    expect(answerInWords('nominal geometry')).toEqual({ who: 'nominal geometry', doubts: [] });
+    expect(answerInWords('plan 1, mn=5, ma=blend:2+1').who).toBe('plan 1: mn by model 5, ma by models 2 and 1 (blend)');
+    expect(answerInWords('geometry, raw motor coordinates: a trial')).toEqual({ who: 'geometry, raw motor coordinates: a trial', doubts: [] });
     expect(answerInWords('')).toEqual({ who: '', doubts: [] });
   });
   it('lists what answered with the contacts that it moved to', () => {

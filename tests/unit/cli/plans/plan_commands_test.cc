@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "clients/cli/commands/indentation/indent_motors.h"
+#include "driftwise/v1/plan_service.pb.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -58,6 +60,27 @@ TEST_F(PlanCommandsTest, ARollbackOfTheFirstPlanSaysThatNoneServesThen) {
               HasSubstr("every joint target is refused (NO_PLAN) until one is promoted"));
   EXPECT_EQ(run({"plan", "rollback", "--yes"}).out, "no plan serves now\n");
   EXPECT_NE(run({"plan", "rollback"}).exit, 0) << "there is none to take back, nobody is asked";
+}
+
+// The record of a contact: which model really answered.
+TEST(AnsweredBy, NamesTheCoarseModelWhereThatAnswered) {
+  v1::JointTarget target;
+  target.set_plan_id(1);
+  auto& one = *target.add_robots();
+  one.set_robot("mn");
+  one.set_by(v1::RobotAnswer::BY_ONE);
+  one.set_model_id(5);
+  auto& two = *target.add_robots();
+  two.set_robot("ma");
+  two.set_model_id(2);
+  two.set_coarse_model_id(1);
+  two.set_by(v1::RobotAnswer::BY_FINE);
+  EXPECT_EQ(cli::answered_by(target), "plan 1, mn=5, ma=fine:2");
+  two.set_by(v1::RobotAnswer::BY_COARSE);
+  EXPECT_EQ(cli::answered_by(target), "plan 1, mn=5, ma=coarse:1");
+  two.set_by(v1::RobotAnswer::BY_BLEND);
+  target.add_flags("OUTSIDE_DOMAIN(t19_degC)");
+  EXPECT_EQ(cli::answered_by(target), "plan 1, mn=5, ma=blend:2+1 OUTSIDE_DOMAIN(t19_degC)");
 }
 
 }  // namespace

@@ -87,9 +87,13 @@ export const tableFrom = (text: string) => read<IndentTable>(text, 'driftwise_in
 // the flags in words. Anything else stays as it is.
 export function answerInWords(by: string): { who: string; doubts: string[] } {
   const flags = by.search(/ [A-Z][A-Z_]{3,}/);
-  const [plan, ...robots] = (flags < 0 ? by : by.slice(0, flags)).split(', ');
-  const models = robots.map((robot) => robot.replace(/^(\w*)=(?:(\w+):)?(\d+)$/, (_, id, kind, model) => `${id || 'the robot'} by model ${model}${kind ? ` (${kind})` : ''}`));
-  return { who: models.length > 0 ? `${plan}: ${models.join(', ')}` : plan, doubts: flags < 0 ? [] : flagsInWords([by.slice(flags)]) };
+  const source = flags < 0 ? by : by.slice(0, flags);
+  const [plan, ...robots] = source.split(', ');
+  const models = robots.map((robot) => {
+    const [, id, kind, numbers] = /^(\w*)=(?:(\w+):)?([\d+]+)$/.exec(robot) ?? [];
+    return numbers && `${id || 'the robot'} by ${numbers.includes('+') ? 'models' : 'model'} ${numbers.replace('+', ' and ')}${kind ? ` (${kind})` : ''}`;
+  });
+  return { who: models.length > 0 && models.every(Boolean) ? `${plan}: ${models.join(', ')}` : source, doubts: flags < 0 ? [] : flagsInWords([by.slice(flags)]) };
 }
 
 // What answered, with the contacts that it moved to.

@@ -93,7 +93,7 @@ const what = {
 
 function Stages({ one, corrections }: { one: Indentation; corrections: number }) {
   const at = stages.indexOf(one.stage);
-  const figures: Record<string, string> = { align: `${corrections} corrections`, indents: `${one.indentCount} of ${one.plannedIndentCount}` };
+  const figures: Record<string, string> = { align: `${corrections} ${corrections === 1 ? 'correction' : 'corrections'}`, indents: `${one.indentCount} of ${one.plannedIndentCount}` };
   const now = cellTimeMs.value;
   const reported = ms(one.reportTime);
   const isSilent = isOpen(one) && at < 3 && now !== undefined && reported !== undefined && now - reported > silentAfterMs;
