@@ -29,7 +29,7 @@ const troubles = new Set();
 let bytes = 0;
 
 // name, address, when ("running": while the campaign is measured; "served": as soon as a model serves; "robots": of the cell with two robots), what has to be seen before
-// the picture is taken, whether a phone's picture is taken too, how tall at most
+// the picture is taken, whether a phone's picture is taken too, how tall at most or down to the end of which panel
 const views = [
   { name: 'now', path: '/now', when: 'running', phone: true, pause: 4000 },
   { name: 'instruments', path: '/instruments?since=1h', when: 'running', phone: true, pause: 4000, tall: 1700 },
@@ -48,7 +48,7 @@ const views = [
   { name: 'methods', path: '/models/methods?run=1', prepare: study('Compare methods', 'Methods, least error first'), tall: 1300 },
   { name: 'sensors', path: '/models/sensors?run=1&formula=q ~ poly(x, y, z, 3) %2B F %2B t04..t09', prepare: study('Try all sets', 'The best set of each size'), tall: 1600 },
   { name: 'procedure', path: '/procedure', seen: 'wanted accuracy reached', phone: true },
-  { name: 'diagnosis', path: '/diagnosis/1', seen: 'What the discrepancy goes with', phone: true, tall: 1700 },
+  { name: 'diagnosis', path: '/diagnosis/1', seen: 'What the discrepancy goes with', phone: true, until: 'q2 has play' },
   { name: 'improvement', path: '/diagnosis/improve/1', seen: 'Turn 1' },
   { name: 'lookback', path: '/lookback', prepare: lookBack },
   { name: 'record', path: '/record', phone: true, tall: 1100 },
@@ -89,6 +89,12 @@ function study(verb, seen) {
   };
 }
 
+// Where the panel ends that says this, with the gap below it.
+async function endOf(page, words) {
+  const box = await page.locator('section', { hasText: words }).last().boundingBox({ timeout: 5000 });
+  return Math.ceil(box.y + box.height) + 16;
+}
+
 async function photograph(browser, view) {
   const note = (words) => troubles.add(`${view.name}: ${words}`);
   const page = await browser.page(view.path);
@@ -105,7 +111,8 @@ async function photograph(browser, view) {
     // As tall as the page, so that what sticks to an edge of the window does; a phone's window is a phone's.
     await page.setViewportSize({ width, height: width === 390 ? 844 : 900 });
     const height = await page.evaluate(() => document.documentElement.scrollHeight);
-    if (width !== 390) await page.setViewportSize({ width, height: Math.max(600, Math.min(height, view.tall ?? 1500)) });
+    const tall = view.until ? await endOf(page, view.until).catch(() => (note(`no panel says '${view.until}'`), 1500)) : view.tall ?? 1500;
+    if (width !== 390) await page.setViewportSize({ width, height: Math.max(600, Math.min(height, tall)) });
     for (const theme of themes) {
       await page.emulateMedia({ colorScheme: theme });
       await page.waitForTimeout(1200);
