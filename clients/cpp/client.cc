@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/cpp/convert.h"
-#include "clients/cpp/failure.h"
 #include "clients/cpp/follower_state.h"
 #include "clients/cpp/link.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
@@ -35,7 +34,7 @@ Answer<Target> Client::target(const Pose& pose, std::chrono::milliseconds limit)
   put_pose(pose, request);
   v1::ComputeTargetResponse response;
   const grpc::Status status = state_->targets->ComputeTarget(&context, request, &response);
-  if (!status.ok()) return tl::unexpected(failure_of(status, state_->link->address));
+  if (!status.ok()) return tl::unexpected(state_->link->failure_of(status));
   return target_from(response.target());
 }
 
@@ -52,7 +51,7 @@ Answer<void> Client::stop_all(std::chrono::milliseconds limit) const {
   v1::StopAllResponse response;
   const grpc::Status status = state_->cell->StopAll(&context, {}, &response);
   if (!status.ok()) {
-    auto failure = failure_of(status, state_->link->address);
+    auto failure = state_->link->failure_of(status);
     if (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT")
       failure.message = "NOT STOPPED: use the emergency switch: " + failure.message;
     return tl::unexpected(std::move(failure));

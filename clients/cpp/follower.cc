@@ -1,5 +1,4 @@
 #include "clients/cpp/convert.h"
-#include "clients/cpp/failure.h"
 #include "clients/cpp/follower_state.h"
 #include "driftwise/v1/target_service.grpc.pb.h"
 
@@ -80,7 +79,7 @@ void TargetFollower::State::read_one_stream() {
   }
   publish(tl::unexpected(
       status.ok() ? Failure{"NO_DAEMON", "the daemon at " + link_->address + " ended the stream"}
-                  : failure_of(status, link_->address)));
+                  : link_->failure_of(status)));
 }
 
 void TargetFollower::State::run() {

@@ -57,7 +57,14 @@ Link::Link(std::string to, std::string who, const Credentials& credentials)
     : address(std::move(to)),
       operator_name(std::move(who)),
       bearer(credentials.token.empty() ? "" : "Bearer " + credentials.token),
-      channel(open_channel(address, credentials_of(credentials, trouble))) {}
+      channel(open_channel(address, credentials_of(credentials, trouble))),
+      reconnection_(std::make_unique<Reconnection>(channel)) {}
+
+Failure Link::failure_of(const grpc::Status& status) const {
+  auto failure = client::failure_of(status, address);
+  if (failure.reason == "NO_DAEMON") reconnection_->lost();
+  return failure;
+}
 
 void Link::sign(grpc::ClientContext& context) const {
   if (!bearer.empty()) context.AddMetadata("authorization", bearer);

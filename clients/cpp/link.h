@@ -9,6 +9,7 @@
 #include <string>
 
 #include "clients/cpp/include/driftwise/client.h"
+#include "clients/cpp/reconnection.h"
 
 namespace driftwise::client {
 
@@ -19,6 +20,11 @@ struct Link {
 
   Link(std::string to, std::string who, const Credentials& credentials);
   void sign(grpc::ClientContext& context) const;  // who is asking
+  // What the caller is told of a call that failed. Without a daemon the way back begins.
+  Failure failure_of(const grpc::Status& status) const;
+
+ private:
+  std::unique_ptr<Reconnection> reconnection_;
 };
 
 }  // namespace driftwise::client

@@ -192,7 +192,7 @@ def _read(path: Optional[str]) -> Optional[bytes]:
 
 
 class Cell:
-    """One daemon. Connects when first asked, and again after a loss.
+    """One daemon. Connects when first asked, and again within about 2 s after a loss.
 
     address: "192.168.7.1:50443", or "unix:/path/driftwised.sock". ca: PEM file of the authority that signed the daemon's
     certificate; without it the connection is plain, which only loopback takes. cert, key: PEM files of a client
@@ -218,6 +218,8 @@ class Cell:
         else:
             credentials = grpc.ssl_channel_credentials(_read(ca), _read(key), _read(cert))
             self._channel = grpc.secure_channel(address, credentials, options)
+        self._lost = threading.Lock()
+        self._returning = False  # under _lost
 
     def __enter__(self) -> "Cell":
         return self
@@ -243,7 +245,7 @@ class Cell:
             for answer in call:
                 yield _target_from(answer.target)
         except grpc.RpcError as failed:
-            raise _error_of(failed, self.address) from None
+            raise self._error_of(failed) from None
         finally:
             call.cancel()
 
@@ -286,7 +288,24 @@ class Cell:
         try:
             return call(request, timeout=timeout_s, metadata=self._metadata())
         except grpc.RpcError as failed:
-            raise _error_of(failed, self.address) from None
+            raise self._error_of(failed) from None
+
+    def _error_of(self, failed: grpc.RpcError) -> DriftwiseError:
+        error = _error_of(failed, self.address)
+        # Way back to a lost daemon. gRPC moves an attempt to connect forward only while somebody waits for it; calls that
+        # fail at once leave it to a poller that comes every 5 s. A subscription waits in their place until it is there.
+        if error.reason == "NO_DAEMON":
+            with self._lost:
+                begins, self._returning = not self._returning, True
+            if begins:
+                self._channel.subscribe(self._on_connectivity, try_to_connect=True)
+        return error
+
+    def _on_connectivity(self, state: grpc.ChannelConnectivity) -> None:
+        if state is grpc.ChannelConnectivity.READY:
+            self._channel.unsubscribe(self._on_connectivity)
+            with self._lost:
+                self._returning = False
 
     def _watch(self, pose: List[object], min_interval_s: float):
         interval = duration_pb2.Duration()
@@ -355,7 +374,7 @@ class Follower:
                 for answer in self._call:
                     self._put(_target_from(answer.target), None)
             except grpc.RpcError as failed:
-                error = _error_of(failed, self._cell.address)
+                error = self._cell._error_of(failed)
             except OSError as failed:  # the token's file
                 error = DriftwiseError("NO_TOKEN", str(failed))
             if self._ending.is_set():

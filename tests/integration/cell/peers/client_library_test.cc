@@ -2,9 +2,12 @@
 // that follows, and a loss that is said and mended.
 
 #include <gmock/gmock.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include "clients/cpp/include/driftwise/client.h"
+#include "clients/cpp/link.h"
+#include "driftwise/v1/cell_service.grpc.pb.h"
 #include "tests/integration/cell/cell_at_work.h"
 #include "tests/integration/cell/served_model.h"
 
@@ -108,6 +111,29 @@ TEST(ClientLibrary, FollowsTheTemperaturesAndComesBackAfterTheDaemonWasKilled) {
   cell.edit_cell_file(any_port, "listen = \"" + *address + "\"");
   cell.start_daemon();
   EXPECT_TRUE(news_until(follower, is_target)) << follower.latest().error().message;
+}
+
+TEST(ClientLibrary, ConnectsAgainWhileNobodyAsks) {
+  // gRPC's own poller, which comes every 5 s, would come after the test.
+  ::setenv("GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS", "600000", 1);
+  CellAtWork cell;
+  const std::string any_port = "listen = \"" + own_loopback_address() + ":0\"";
+  cell.edit_cell_file("listen = \"127.0.0.1:0\"", any_port);
+  cell.start_daemon();
+  const auto address = cell.grpc_address();
+  const client::Link link(address, "", {});
+  const auto asked = [&link] {
+    grpc::ClientContext context;
+    v1::GetStatusResponse response;
+    return v1::CellService::NewStub(link.channel)->GetStatus(&context, {}, &response);
+  };
+  ASSERT_TRUE(asked().ok());
+  cell.kill_daemon();
+  wait_until("a refused attempt to connect, after which calls fail at once",
+             [&] { return link.failure_of(asked()).message.find("refused") != std::string::npos; });
+  cell.edit_cell_file(any_port, "listen = \"" + address + "\"");
+  cell.start_daemon();
+  wait_until("the connection", [&] { return link.channel->GetState(false) == GRPC_CHANNEL_READY; });
 }
 
 TEST(ClientLibrary, NamesWhatIsWrongWithAnAddressFile) {
