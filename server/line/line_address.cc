@@ -4,6 +4,7 @@
 #include <net/if.h>
 #include <netinet/in.h>
 
+#include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <memory>
@@ -102,21 +103,28 @@ std::string text_of(const ip::tcp::endpoint& end) {
 
 Result<void> check_interface(const std::string& interface, const ip::address& address) {
   ifaddrs* first = nullptr;
-  ::getifaddrs(&first);
+  if (::getifaddrs(&first) != 0)
+    return fail(ErrorCode::unavailable, reasons::kNotOnInterface,
+                "plain_target_line: the addresses of the interface '" + interface +
+                    "' cannot be read: " + std::strerror(errno) +
+                    "; under systemd RestrictAddressFamilies of the unit needs AF_NETLINK");
   const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> all(first, ::freeifaddrs);
   const Bytes wanted = bytes_of(address);
   std::string has;
   for (const ifaddrs* one = all.get(); one != nullptr; one = one->ifa_next) {
-    if (interface != one->ifa_name) continue;
     const Bytes own = bytes_of(one->ifa_addr);
     if (own.empty()) continue;
-    if (has_address(*one, wanted)) return {};
-    has += (has.empty() ? "" : ", ") + text_of(own);
+    const bool here = interface == one->ifa_name;
+    if (here && has_address(*one, wanted)) return {};
+    // IPv6 gives every interface an address of its own.
+    if (here ? own.size() == wanted.size() : own == wanted)
+      has += (has.empty() ? "" : ", ") + text_of(own) +
+             (here ? "" : " of " + std::string(one->ifa_name));
   }
+  if (has.empty()) return {};
   return fail(ErrorCode::failed_precondition, reasons::kNotOnInterface,
               "plain_target_line: " + address.to_string() + " is no address of the interface '" +
-                  interface + "', which has " + (has.empty() ? "none" : has) +
-                  "; correct plain_target_line or plain_interface");
+                  interface + "'; found " + has + "; correct plain_target_line or plain_interface");
 }
 
 Result<AddressList> AddressList::from(const std::vector<std::string>& entries) {

@@ -14,8 +14,9 @@ Result<boost::asio::ip::tcp::endpoint> endpoint_from(const std::string& address)
 
 std::string text_of(const boost::asio::ip::tcp::endpoint& end);  // as endpoint_from reads it
 
-// The interface has this address. Errors: failed_precondition NOT_ON_INTERFACE, with the addresses
-// it has.
+// The interface has this address, or none of its family yet, as before its cable is in. Errors:
+// failed_precondition NOT_ON_INTERFACE, with the addresses that were found; unavailable
+// NOT_ON_INTERFACE: the interfaces cannot be read.
 Result<void> check_interface(const std::string& interface, const boost::asio::ip::address& address);
 
 // Addresses that may come in: "192.168.7.10", "192.168.7.0/24", "fd00::10".

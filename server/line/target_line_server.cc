@@ -12,6 +12,7 @@
 #include <cstring>
 #include <set>
 
+#include "server/access/door_address.h"
 #include "server/compensation/target.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -40,6 +41,11 @@ void watch_peer(tcp::socket& socket) {
   set(TCP_KEEPIDLE, 30);
   set(TCP_KEEPINTVL, 20);
   set(TCP_KEEPCNT, 3);
+}
+
+const char* key_of(LineKind kind) {
+  if (kind == LineKind::loopback) return "[cell] target_line";
+  return kind == LineKind::tls ? "[access] target_line" : "[access] plain_target_line";
 }
 
 }  // namespace
@@ -356,12 +362,16 @@ Result<std::unique_ptr<TargetLineServer>> TargetLineServer::start(LineParts part
                      static_cast<socklen_t>(door.interface.size())) != 0)
       error.assign(errno, boost::system::system_category());
   });
-  attempt([&] { acceptor.bind(endpoint, error); });
+  attempt([&] {
+    error.assign(access::bind_door(acceptor.native_handle(), endpoint.data(),
+                                   static_cast<unsigned>(endpoint.size())),
+                 boost::system::system_category());
+  });
   attempt([&] { acceptor.listen(asio::socket_base::max_listen_connections, error); });
   if (error)
     return fail(ErrorCode::unavailable, reasons::kCannotListen,
                 "cannot listen on " + door.address + " for target lines: " + error.message() +
-                    "; choose another port in [cell] target_line");
+                    "; choose another port in " + key_of(door.kind));
   const auto address = text_of(acceptor.local_endpoint(error));
   auto listening = std::make_shared<Door>(std::move(acceptor), address, std::move(allowed),
                                           std::move(parts), std::move(door));

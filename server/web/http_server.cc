@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/access/door_address.h"
 #include "server/core/ports/spawn.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -72,7 +73,10 @@ class ThreadedHttpServer final : public HttpServer {
     boost::system::error_code code;
     acceptor_.open(endpoint.protocol(), code);
     if (!code) acceptor_.set_option(tcp::acceptor::reuse_address(true), code);
-    if (!code) acceptor_.bind(endpoint, code);
+    if (!code)
+      code.assign(access::bind_door(acceptor_.native_handle(), endpoint.data(),
+                                    static_cast<unsigned>(endpoint.size())),
+                  boost::system::system_category());
     if (!code) acceptor_.listen(asio::socket_base::max_listen_connections, code);
     if (!code) endpoint_ = acceptor_.local_endpoint(code);
     return code;
@@ -178,11 +182,12 @@ class ThreadedHttpServer final : public HttpServer {
 Result<std::unique_ptr<HttpServer>> HttpServer::open(const std::string& address,
                                                      std::unique_ptr<tls::TlsMaterial> tls) {
   DRIFTWISE_TRY(const auto endpoint, parse(address, tls != nullptr));
+  const bool tls_door = tls != nullptr;
   auto server = std::make_unique<ThreadedHttpServer>(std::move(tls));
   if (const auto code = server->listen(endpoint))
     return fail(ErrorCode::unavailable, reasons::kCannotListen,
                 "http address '" + address + "': " + code.message() +
-                    "; choose another port in [cell] http");
+                    "; choose another port in http of " + (tls_door ? "[access]" : "[cell]"));
   return server;
 }
 

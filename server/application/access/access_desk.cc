@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/access/certificate.h"
+#include "server/access/door_address.h"
 #include "server/access/revoked_certificates.h"
 #include "server/access/wrong_tries.h"
 #include "server/application/plumbing/run_on.h"
@@ -19,8 +20,23 @@ std::int64_t utc_now_s() {
       .count();
 }
 
-std::vector<AlarmCondition> look_at_files(const AccessDescription& files) {
-  std::vector<AlarmCondition> out;
+// Doors that wait for their address: a cable, a switch or the network is not there.
+void look_at_doors(const AccessDescription& doors, std::vector<AlarmCondition>& out) {
+  const std::pair<const char*, const std::string&> all[] = {
+      {"listen", doors.listen},
+      {"http", doors.http},
+      {"target_line", doors.target_line},
+      {"plain_target_line", doors.plain_target_line}};
+  for (const auto& [key, address] : all)
+    if (access::is_absent(address))
+      out.push_back({AlarmLevel::warning, "door.unreached", std::string("[access] ") + key,
+                     "nobody reaches " + address +
+                         ": this computer does not have that address now. Look at cable, switch "
+                         "and network settings, or correct [access] " +
+                         key + "; the door needs no restart"});
+}
+
+void look_at_files(const AccessDescription& files, std::vector<AlarmCondition>& out) {
   const auto facts = access::check_certificate(files.certificate, files.key, utc_now_s());
   if (!facts)
     out.push_back(
@@ -28,11 +44,17 @@ std::vector<AlarmCondition> look_at_files(const AccessDescription& files) {
   else if (auto warning = access::expiry_warning(files.certificate, *facts, utc_now_s());
            !warning.empty())
     out.push_back({AlarmLevel::warning, "certificate.ends", files.certificate, std::move(warning)});
-  if (files.revoked.empty()) return out;
+  if (files.revoked.empty()) return;
   const auto list = access::RevokedCertificates::check(files.revoked, files.authority, utc_now_s());
   if (!list)
     out.push_back({AlarmLevel::warning, "certificate.revocations", files.revoked,
                    list.error().message + "; the last good list is in force"});
+}
+
+std::vector<AlarmCondition> look_at(const AccessDescription& access) {
+  std::vector<AlarmCondition> out;
+  look_at_doors(access, out);
+  if (access.tls()) look_at_files(access, out);
   return out;
 }
 
@@ -69,7 +91,7 @@ void AccessDesk::take(const access::AccessNote& what) {
 }
 
 void AccessDesk::start() {
-  if (description_.tls()) tasks_.spawn(watch());
+  if (description_.configured) tasks_.spawn(watch());
 }
 
 void AccessDesk::shut_down() {
@@ -79,7 +101,7 @@ void AccessDesk::shut_down() {
 
 Awaitable<void> AccessDesk::watch() {
   while (!ending_) {
-    conditions_ = co_await run_on(texts_, &look_at_files, description_);
+    conditions_ = co_await run_on(texts_, &look_at, description_);
     const auto pause = nanoseconds_from_s(kLook_s * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + pause, ended_);
   }

@@ -1,6 +1,7 @@
 #pragma once
-// The record of access: what the doors refused becomes events and alarms, and a certificate that is
-// about to end is an alarm. note() on any thread, everything else on the executor's.
+// The record of access: what the doors refused becomes events and alarms. A certificate that is
+// about to end, and a door whose address the computer does not have, are alarms. note() on any
+// thread, everything else on the executor's.
 
 #include <boost/asio/any_io_executor.hpp>
 #include <functional>
@@ -19,7 +20,7 @@ namespace driftwise::application {
 
 class AccessDesk final : public access::AccessWitness {
  public:
-  // Between two looks at the certificate, wall time.
+  // Between two looks at certificates and addresses, wall time.
   static constexpr double kLook_s = 60;
 
   // texts: the thread that reads the files. alarm: told of what happened and is over at once.
@@ -29,10 +30,11 @@ class AccessDesk final : public access::AccessWitness {
 
   void note(access::AccessNote what) override;
 
-  void start();  // looks at the certificate until shut_down()
+  void start();  // looks at both until shut_down()
   void shut_down();
   // certificate.ends: 30 days ahead, by the wall clock; certificate.unusable: its files cannot be
-  // read or do not belong together; certificate.revocations: the list of revoked ones likewise.
+  // read or do not belong together; certificate.revocations: the list of revoked ones likewise;
+  // door.unreached: the computer does not have the address.
   std::vector<AlarmCondition> conditions() const { return conditions_; }
 
  private:

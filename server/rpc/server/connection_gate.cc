@@ -23,6 +23,7 @@
 #include <tuple>
 #include <utility>
 
+#include "server/access/door_address.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -288,12 +289,17 @@ Result<std::unique_ptr<ConnectionGate>> ConnectionGate::open(const std::string& 
   SocketAddress bound;
   bound.size = sizeof bound.bytes;
   remove_old_socket(where.bytes);
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&where.bytes), where.size) != 0 ||
-      !keep_to_owner(where.bytes) || ::listen(socket.get(), SOMAXCONN) != 0 ||
-      ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&bound.bytes), &bound.size) != 0)
+  int error = access::bind_door(socket.get(), reinterpret_cast<const sockaddr*>(&where.bytes),
+                                static_cast<unsigned>(where.size));
+  if (error == 0 &&
+      (!keep_to_owner(where.bytes) || ::listen(socket.get(), SOMAXCONN) != 0 ||
+       ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&bound.bytes), &bound.size) != 0))
+    error = errno;
+  if (error != 0)
     return fail(ErrorCode::unavailable, reasons::kAddressInUse,
-                "cannot listen on " + address + " (" + std::strerror(errno) +
-                    "): is another driftwised running? Stop it, or change [cell] listen");
+                "cannot listen on " + address + " (" + std::strerror(error) +
+                    "): is another driftwised running? Stop it, or give this door (listen of "
+                    "[cell] or [access]) another port");
   return std::unique_ptr<ConnectionGate>(new ConnectionGate(
       std::make_unique<Listener>(std::move(socket), bound, std::move(calls), quotas)));
 }

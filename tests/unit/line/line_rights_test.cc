@@ -101,6 +101,8 @@ TEST_F(LineDoors, StandPlainOnANamedInterfaceForListedAddressesOnly) {
   EXPECT_EQ(start(door("127.0.0.1:0", "lo", {})).error().reason, "MISSING_KEY");
   EXPECT_EQ(start(door("127.0.0.1:0", "lo", {"127.0.0.0/4"})).error().reason, "BAD_ADDRESS");
   EXPECT_EQ(start(door("192.0.2.1:0", "lo", {"127.0.0.1"})).error().reason, "NOT_ON_INTERFACE");
+  EXPECT_EQ(start(door("127.0.0.1:0", "nowhere", {"127.0.0.1"})).error().reason, "NOT_ON_INTERFACE")
+      << "another interface has it";
   const auto started = start(door("127.0.0.1:0", "lo", {"127.0.0.1"}));
   ASSERT_TRUE(started) << started.error().message;
   tests::LineClient listed(server_->address());

@@ -5,6 +5,7 @@
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
+#include "server/rpc/server/connection_gate.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
 namespace driftwise::tests {
@@ -60,6 +61,13 @@ TEST_F(RpcServerTest, ListensOnLoopbackOnly) {
 TEST_F(RpcServerTest, SaysWhenThePortIsTaken) {
   EXPECT_THAT(rpc::RpcServer::open(cell.services(), server->address()),
               FailsWith(ErrorCode::unavailable, "ADDRESS_IN_USE"));
+}
+
+TEST_F(RpcServerTest, OpensBeforeTheComputerHasTheAddress) {
+  // TEST-NET-1 (RFC 5737): no computer's address.
+  const auto gate = rpc::ConnectionGate::open("192.0.2.1:0", nullptr);
+  ASSERT_TRUE(gate) << gate.error().message;
+  EXPECT_NE((*gate)->port(), 0);
 }
 
 TEST_F(RpcServerTest, RefusesARequestBeyondItsLimit) {
