@@ -13,6 +13,7 @@
 #include "storage/schema/schema.h"
 #include "storage/sqlite/database_lock.h"
 #include "storage/sqlite/failure.h"
+#include "storage/sqlite/file_owner.h"
 
 namespace driftwise::storage {
 namespace {
@@ -82,7 +83,8 @@ void sync(const std::string& path) {
 // A copy that is not finished is taken away again.
 class Part {
  public:
-  explicit Part(const std::string& path) : path_(path), part_(path + ".part") { remove(); }
+  static constexpr const char* kSuffix = ".part";
+  explicit Part(const std::string& path) : path_(path), part_(path + kSuffix) { remove(); }
   ~Part() { remove(); }
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
@@ -130,6 +132,7 @@ RecordCopy copy_verified(Database& record, const std::string& path,
     for (const auto& [table, count] : counts) copy.rows += count;
   }
   copy.bytes = static_cast<std::int64_t>(fs::file_size(part.path()));
+  give_to_owner_of_folder(part.path());
   make_room();
   part.finish();
   return copy;
@@ -179,6 +182,8 @@ Result<RecordCopy> restore_record(const Restore& restore) {
     }
     return copy_verified(copy, restore.database, {}, [&] {
       if (!replaces) return;
+      // Who could read the record before can read it now, and nobody else.
+      fs::permissions(restore.database + Part::kSuffix, fs::status(restore.database).permissions());
       for (const char* part : {"-wal", "-shm", ""})
         if (fs::exists(restore.database + part))
           fs::rename(restore.database + part, restore.present_kept_as + part);

@@ -55,6 +55,9 @@ TEST_F(AuditCommands, BackupIsRestoredElsewhereAndNeverOverARecord) {
   EXPECT_EQ(copy["head"]["hash"].get<std::string>().size(), 64U);
   const std::string back = folder.path() + "/back.db";
   const auto restored = run({"restore", copy["path"], "--database", back});
+  // A run of the copy, and what waits in its queue, begin again when a person says so.
+  EXPECT_TRUE(
+      std::filesystem::exists(std::filesystem::path(back).parent_path() / "driftwised.stop"));
   EXPECT_EQ(restored.exit, 0) << restored.err;
   EXPECT_THAT(restored.out, HasSubstr("restored " + back));
   EXPECT_EQ(run({"audit", "verify", "--database", back}).exit, 0);

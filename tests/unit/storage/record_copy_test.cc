@@ -2,6 +2,9 @@
 
 #include "storage/audit/record_copy.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {
@@ -68,6 +71,23 @@ TEST_F(RecordCopyTest, ReplacesARecordOnlyWhenAskedAndKeepsIt) {
   ASSERT_TRUE(restored) << restored.error().message;
   EXPECT_EQ(points_in(path), 5U);
   EXPECT_EQ(points_in(kept_as), 6U);
+}
+
+TEST_F(RecordCopyTest, BelongsToTheOwnerOfTheFolderAlsoWhenRootRestoresIt) {
+  namespace fs = std::filesystem;
+  ASSERT_TRUE(store->audit().back_up(copy, {}));
+  store.reset();
+  fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+  const bool root = ::geteuid() == 0;
+  const std::string cell_folder = folder / "";
+  ASSERT_TRUE(!root || ::chown(cell_folder.c_str(), 4711, 4712) == 0);
+  ASSERT_TRUE(restore_record({copy, path, kept_as, {}}));
+  struct stat about {};
+  ASSERT_EQ(::stat(path.c_str(), &about), 0);
+  EXPECT_EQ(about.st_mode & 0777U, 0640U) << "as the record that it replaces";
+  if (!root) GTEST_SKIP() << "owners: run as root";
+  EXPECT_EQ(about.st_uid, 4711U);
+  EXPECT_EQ(about.st_gid, 4712U);
 }
 
 TEST_F(RecordCopyTest, IsRefusedWhereItWasChangedOrIsOlderThanAKeptHead) {

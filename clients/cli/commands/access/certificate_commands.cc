@@ -19,6 +19,7 @@
 
 #include "clients/cli/commands/access/role_text.h"
 #include "clients/cli/core/validators.h"
+#include "storage/sqlite/file_owner.h"
 
 extern char** environ;
 
@@ -89,6 +90,7 @@ void make_folder(const fs::path& folder) {
   if (fs::is_directory(folder, failed)) return;
   fs::create_directories(folder, failed);
   if (!failed) fs::permissions(folder, fs::perms::owner_all, failed);
+  storage::give_to_owner_of_folder(folder.string());
   if (failed)
     throw Failure{ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
                   "cannot make " + folder.string() + ": " + failed.message()};
@@ -133,9 +135,13 @@ std::vector<std::string> with_new_key(std::vector<std::string> arguments) {
   return arguments;
 }
 
+// Who reads the files of a certificate: the daemon, as the owner of the folder, or the person for
+// whom they are made.
+enum class For { daemon, client };
+
 // folder/stem.key and folder/stem.pem, signed by the folder's authority; the key is there first, so
 // that a daemon that looks between the two waits for the certificate.
-void sign(const fs::path& folder, const std::string& stem, const std::string& subject,
+void sign(For whom, const fs::path& folder, const std::string& stem, const std::string& subject,
           const std::string& use, const std::string& alternative_names, const std::string& days) {
   const Scratch key(folder / ("." + stem + ".key")), request(folder / ("." + stem + ".csr")),
       certificate(folder / ("." + stem + ".pem")), extensions(folder / ("." + stem + ".cnf"));
@@ -149,6 +155,8 @@ void sign(const fs::path& folder, const std::string& stem, const std::string& su
            "-CAkey", (folder / "authority.key").string(), "-CAcreateserial", "-CAserial",
            (folder / "authority.srl").string(), "-days", days, "-sha256", "-extfile",
            extensions.path(), "-out", certificate.path()});
+  if (whom == For::daemon)
+    for (const Scratch* made : {&key, &certificate}) storage::give_to_owner_of_folder(made->path());
   rename_file(key.path(), folder / (stem + ".key"));
   rename_file(certificate.path(), folder / (stem + ".pem"));
 }
@@ -177,6 +185,7 @@ void write_revocations(const fs::path& folder) {
   const Scratch settings(folder / ".revoke.cnf"), list(folder / ".revoked.pem");
   write_list_settings(folder, settings);
   openssl(folder, {"ca", "-batch", "-config", settings.path(), "-gencrl", "-out", list.path()});
+  storage::give_to_owner_of_folder(list.path());
   rename_file(list.path(), folder / "revoked.pem");
 }
 
@@ -224,6 +233,8 @@ bool make_authority(const fs::path& folder) {
                         "-out", (folder / "authority.pem").string(), "-days",
                         days_text(0, kAuthorityDays), "-sha256", "-subj", "/CN=" + subject,
                         "-addext", "keyUsage = critical, keyCertSign, cRLSign"}));
+  // Its key signs everything and stays with who made it.
+  storage::give_to_owner_of_folder((folder / "authority.pem").string());
   return true;
 }
 
@@ -240,7 +251,7 @@ ExitCode cert_init(const Session& session, const CertificateArguments& a) {
   make_folder(folder);
   const bool fresh = make_authority(folder);
   const std::string subject = a.names.empty() ? host_name() : a.names.front();
-  sign(folder, "server", subject.substr(0, 60), "serverAuth", alternative,
+  sign(For::daemon, folder, "server", subject.substr(0, 60), "serverAuth", alternative,
        days_text(a.days, kServerDays));
   if (fresh || !fs::exists(folder / "revoked.pem")) {
     for (const char* of_before : {"authority.index", "authority.crlnumber"}) {
@@ -282,7 +293,7 @@ ExitCode cert_client(const Session& session, const CertificateArguments& a) {
                   (folder / "authority.key").string() +
                       " is not there: make the authority with 'driftwise cert init', or name its "
                       "folder with --folder"};
-  sign(folder, a.name, a.name, "clientAuth", "URI:driftwise:role/" + a.role,
+  sign(For::client, folder, a.name, a.name, "clientAuth", "URI:driftwise:role/" + a.role,
        days_text(a.days, kClientDays));
   keep_issued(folder, a.name);
   const auto path = [&](const std::string& name) { return (fs::path(a.folder) / name).string(); };

@@ -10,7 +10,10 @@
 #include "clients/cli/core/text.h"
 #include "clients/cli/core/value_or_throw.h"
 #include "driftwise/v1/record_service.grpc.pb.h"
+#include "server/core/utc_map.h"
+#include "server/formats/text/kept_stop.h"
 #include "storage/audit/record_copy.h"
+#include "storage/sqlite/file_owner.h"
 
 namespace driftwise::cli {
 namespace {
@@ -49,6 +52,21 @@ std::string name_of_present(const std::string& database) {
   return database + ".before-" + instant + "Z";
 }
 
+// A run that the copy holds, and campaigns that wait in it, are of another day: the daemon stops
+// the axes first, and both wait for a person.
+void keep_stop(const Session& session, const std::string& database) {
+  const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  const auto folder = std::filesystem::absolute(database).parent_path();
+  const std::string path = (folder / formats::kKeptStopFile).lexically_normal().string();
+  write_output_file(
+      path, formats::write_kept_stop({session.operator_name, to_iso8601(UtcTime{now.count()})}));
+  storage::give_to_owner_of_folder(path);
+  session.console.err << "the next start moves nothing: " << path
+                      << " holds a run of the copy and the queue until `driftwise run resume` and "
+                         "`driftwise queue release`; it belongs beside the cell file\n";
+}
+
 ExitCode restore(const Session& session, const RestoreArguments& a) {
   storage::Restore wanted{a.copy, a.database, {}, {}};
   if (!a.kept.empty()) wanted.kept = kept_head(a.kept);
@@ -68,6 +86,7 @@ ExitCode restore(const Session& session, const RestoreArguments& a) {
     throw Failure(failure);
   }
   print_copy(session.console, copy_message(*restored), "restored ");
+  keep_stop(session, a.database);
   return ExitCode::done;
 }
 
