@@ -115,9 +115,12 @@ void add_run(const RunProgress& progress, CellTime now, std::vector<AlarmConditi
                    .subject = run_subject(run.id),
                    .message = fmt::format("run {} waits: {}", run.id.value, run.reason),
                    .detail = run.reason});
+  // A person who paused a run knows of it; nobody knows of one that the daemon stopped.
+  const bool by_daemon =
+      run.hold.kind == RunHold::Kind::trouble || run.hold.kind == RunHold::Kind::restart;
   if (run.state == RunState::paused)
     out.push_back(
-        {AlarmLevel::notice, "run.paused", run_subject(run.id),
+        {by_daemon ? AlarmLevel::warning : AlarmLevel::notice, "run.paused", run_subject(run.id),
          fmt::format("run {} stands still: {}; resume it to go on", run.id.value, run.reason)});
   if (run.given_up > 0) {
     const RunRules rules = rules_of(run);

@@ -125,12 +125,14 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
     if (closure.decision == ClosureDecision::repeated) ++run.repetitions[closure.line];
   if (before_->meter) run.meter = *before_->meter;
   run.meter.begin(bench_.clock.now().utc);
-  const std::string what = before_->killed ? "restart after a kill" : "restart";
+  const std::string what = computer_was_away_ ? "restart of the computer"
+                           : before_->killed  ? "restart after a kill"
+                                              : "restart";
   wanted_datum_ = continue_from(bench_.description, what, *this->before_);
   ++run.record.restarts;
-  bench_.events.record_own(
-      "run.restarted", fmt::format("{}: goes on with row {}", what, run.record.place.next_row + 1),
-      run.record.id);
+  bench_.events.record_own("run.restarted",
+                           fmt::format("{}: row {} is next", what, run.record.place.next_row + 1),
+                           run.record.id);
   if (before_->killed)
     if (auto ok = co_await record_interruption(run); !ok) co_return ok;
   co_return co_await change(run, state, std::move(reason));
@@ -279,7 +281,7 @@ Awaitable<Result<void>> RunEngine::announce_motion(ActiveRun& run, const std::st
   constexpr double kWarning_s = 60;
   const auto begins = bench_.clock.now().utc + nanoseconds_from_s(kWarning_s);
   announcement_ = fmt::format("run {} moves the robot at {}: {}; a stop keeps it from moving",
-                              run.record.id.value, to_iso8601(begins), why);
+                              run.record.id.value, to_iso8601(bench_.clock.utc(begins)), why);
   bench_.events.record_own("run.moves_soon", announcement_, run.record.id);
   run.scope.phase("about to move");
   const auto waited = co_await run.scope.sleep_until(begins);

@@ -103,6 +103,20 @@ TEST_F(QueueTest, AnnouncesOnlyARunThatNobodyAskedForJustNow) {
   EXPECT_TRUE(cell.alarms_of("run.moves_soon").empty());
 }
 
+TEST_F(QueueTest, AnnouncesInUtcAlsoAfterTheWallClockWasSet) {
+  cell.time().wall_clock_set += std::chrono::hours(2);
+  cell.pass(60);
+  add(draft("a"));
+  until(add(draft("b")), QueueState::done);
+  const std::string announced = cell.events_named("run.moves_soon").at(0);
+  const auto begin = announced.find(" at ") + 4;
+  const auto stated = parse_iso8601(announced.substr(begin, announced.find(": ", begin) - begin));
+  ASSERT_TRUE(stated) << announced;
+  const double ago_s = 1e-9 * static_cast<double>(cell->host.utc(cell.now()).ns - stated->utc_ns);
+  EXPECT_GT(ago_s, 0);
+  EXPECT_LT(ago_s, 3600) << announced;
+}
+
 TEST_F(QueueTest, TakesTheHigherPriorityFirstAndCanBeReordered) {
   ASSERT_TRUE(cell.await(cell->queue.hold(cell.ada, "all at once")));
   const auto a = add(draft("a")), b = add(draft("b")), c = add(draft("c"));
