@@ -313,6 +313,8 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                      fs::path(description.database).parent_path().string()));
   daemon.access = std::move(access);
   daemon.access->authoriser().tell(&daemon.cell->access_witness());
+  daemon.cell->ask_for_ends(
+      [&authoriser = daemon.access->authoriser()] { return authoriser.ending(); });
   DRIFTWISE_RETURN_IF_ERROR(open_doors(daemon, description, web_root, the_clock, context));
   return daemon;
 }

@@ -75,13 +75,26 @@ Result<Identity> Authoriser::identify(const Evidence& evidence) {
   for (const auto& uri : evidence.certificate_uris)
     if (const auto one = role_from_uri(uri); one && (!role || includes(*one, *role))) role = one;
   const std::string subject = short_name(evidence.certificate_name);
-  if (role)
-    return Identity{subject.empty() ? "unnamed" : subject, *role, Proof::certificate, "",
-                    evidence.from};
+  if (role) {
+    Identity who{subject.empty() ? "unnamed" : subject, *role, Proof::certificate, "",
+                 evidence.from};
+    shown_.note(evidence.certificate_pem, who.name, who.role);
+    return who;
+  }
   if (evidence.door == Door::unix_socket) return local(evidence, Proof::local_socket);
   if (evidence.door == Door::loopback && parts_.loopback == LoopbackRule::open)
     return local(evidence, Proof::open_loopback);
   return nobody(evidence);
+}
+
+std::vector<EndingProof> Authoriser::ending() const {
+  auto proofs = shown_.all();
+  if (parts_.tokens != nullptr)
+    for (const auto& token : parts_.tokens->list())
+      if (token.expires_utc_s)
+        proofs.push_back({"token " + token.id, token.name, token.role, token.created_utc_s,
+                          *token.expires_utc_s});
+  return access::ending(proofs, parts_.utc_s());
 }
 
 tl::unexpected<Error> Authoriser::nobody(const Evidence& evidence) {

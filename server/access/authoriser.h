@@ -13,6 +13,7 @@
 
 #include "server/access/access_witness.h"
 #include "server/access/identity.h"
+#include "server/access/proof_ends.h"
 #include "server/access/revoked_certificates.h"
 #include "server/access/token_book.h"
 #include "server/access/wrong_tries.h"
@@ -73,6 +74,9 @@ class Authoriser {
     return parts_.revoked != nullptr && parts_.revoked->contains(certificate_pem);
   }
 
+  // Tokens and certificates that are about to end, or have just ended.
+  std::vector<EndingProof> ending() const;
+
   // The identity may do this. Errors: permission_denied NEEDS_ROLE: who, what was asked, the role
   // it needs, the role there is.
   Result<void> authorise(const Identity& who, const Action& action);
@@ -92,6 +96,7 @@ class Authoriser {
   void note_within_bounds(AccessNote what);
 
   Parts parts_;
+  ShownCertificates shown_;
   std::string secret_;            // of vouch(): made at the start
   std::string local_token_hash_;  // SHA-256
   std::mutex mutex_;              // of what follows

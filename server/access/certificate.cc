@@ -112,6 +112,8 @@ Result<Key> load_key(const std::string& path) {
   return key;
 }
 
+}  // namespace
+
 std::string day_of(std::int64_t at_utc_s) {
   const std::time_t time = at_utc_s;
   std::tm parts{};
@@ -121,10 +123,19 @@ std::string day_of(std::int64_t at_utc_s) {
   return text.data();
 }
 
-}  // namespace
-
 Result<CertificateFacts> read_certificate(const std::string& path) {
   DRIFTWISE_TRY(const auto certificate, load_certificate(path));
+  return facts_of(certificate.get());
+}
+
+Result<CertificateFacts> certificate_from(const std::string& pem) {
+  const std::unique_ptr<BIO, Freed<BIO_free_all>> text(
+      BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  const Certificate certificate(PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr));
+  ERR_clear_error();
+  if (!certificate)
+    return fail(ErrorCode::invalid_argument, reasons::kBadCertificate,
+                "found no certificate in PEM form (-----BEGIN CERTIFICATE-----)");
   return facts_of(certificate.get());
 }
 

@@ -21,6 +21,9 @@ struct CertificateFacts {
 // each with the path.
 Result<CertificateFacts> read_certificate(const std::string& path);
 
+// The same of a text. Errors: invalid_argument BAD_CERTIFICATE.
+Result<CertificateFacts> certificate_from(const std::string& pem);
+
 // Both files can be read, the key is the certificate's, and it is good now. Errors: those above;
 // invalid_argument BAD_KEY; failed_precondition KEY_MISMATCH, CERTIFICATE_EXPIRED, KEY_READABLE
 // (others may read the key).
@@ -31,5 +34,8 @@ inline constexpr std::int64_t kExpiryWarningDays = 30;
 // A sentence from 30 days before the end on; empty before that.
 std::string expiry_warning(const std::string& path, const CertificateFacts& facts,
                            std::int64_t now_utc_s);
+
+// "2027-11-29", of UTC.
+std::string day_of(std::int64_t at_utc_s);
 
 }  // namespace driftwise::access

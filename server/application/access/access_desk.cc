@@ -51,10 +51,15 @@ void look_at_files(const AccessDescription& files, std::vector<AlarmCondition>& 
                    list.error().message + "; the last good list is in force"});
 }
 
-std::vector<AlarmCondition> look_at(const AccessDescription& access) {
+std::vector<AlarmCondition> look_at(const AccessDescription& described,
+                                    const std::function<std::vector<access::EndingProof>()>& ends) {
   std::vector<AlarmCondition> out;
-  look_at_doors(access, out);
-  if (access.tls()) look_at_files(access, out);
+  look_at_doors(described, out);
+  if (described.tls()) look_at_files(described, out);
+  if (ends)
+    for (auto& proof : ends())
+      out.push_back(
+          {AlarmLevel::warning, "access.ends", std::move(proof.subject), std::move(proof.message)});
   return out;
 }
 
@@ -74,6 +79,10 @@ AccessDesk::AccessDesk(asio::any_io_executor executor, asio::any_io_executor tex
 
 void AccessDesk::note(access::AccessNote what) {
   asio::post(executor_, [this, what = std::move(what)] { take(what); });
+}
+
+void AccessDesk::ask_for_ends(std::function<std::vector<access::EndingProof>()> ends) {
+  ends_ = std::move(ends);
 }
 
 void AccessDesk::take(const access::AccessNote& what) {
@@ -101,7 +110,7 @@ void AccessDesk::shut_down() {
 
 Awaitable<void> AccessDesk::watch() {
   while (!ending_) {
-    conditions_ = co_await run_on(texts_, &look_at, description_);
+    conditions_ = co_await run_on(texts_, &look_at, description_, ends_);
     const auto pause = nanoseconds_from_s(kLook_s * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + pause, ended_);
   }

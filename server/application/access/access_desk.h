@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/access/access_witness.h"
+#include "server/access/proof_ends.h"
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/task_group.h"
@@ -29,12 +30,16 @@ class AccessDesk final : public access::AccessWitness {
              std::function<void(AlarmCondition)> alarm);
 
   void note(access::AccessNote what) override;
+  // Where the ends of tokens and certificates of clients are asked, on the thread of the texts.
+  // Before start(); what it asks outlives shut_down().
+  void ask_for_ends(std::function<std::vector<access::EndingProof>()> ends);
 
   void start();  // looks at both until shut_down()
   void shut_down();
   // certificate.ends: 30 days ahead, by the wall clock; certificate.unusable: its files cannot be
   // read or do not belong together; certificate.revocations: the list of revoked ones likewise;
-  // door.unreached: the computer does not have the address.
+  // door.unreached: the computer does not have the address; access.ends: a client's token or
+  // certificate, 30 days ahead.
   std::vector<AlarmCondition> conditions() const { return conditions_; }
 
  private:
@@ -47,6 +52,7 @@ class AccessDesk final : public access::AccessWitness {
   EventLog& events_;
   TaskGroup& tasks_;
   std::function<void(AlarmCondition)> alarm_;
+  std::function<std::vector<access::EndingProof>()> ends_;
   std::vector<AlarmCondition> conditions_;
   bool ending_ = false;
   Signal ended_;

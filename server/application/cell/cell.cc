@@ -65,6 +65,9 @@ Cell::~Cell() = default;
 void Cell::start() { parts_->start(); }
 
 access::AccessWitness& Cell::access_witness() { return parts_->access; }
+void Cell::ask_for_ends(std::function<std::vector<access::EndingProof>()> ends) {
+  parts_->access.ask_for_ends(std::move(ends));
+}
 
 Awaitable<void> Cell::devices_looked_at() { return parts_->keeper.looked(); }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/access/access_witness.h"
+#include "server/access/proof_ends.h"
 #include "server/application/cell/services.h"
 #include "server/application/diagnoses/diagnosis_progress.h"
 #include "server/application/recording/devices.h"
@@ -45,7 +46,7 @@ class Cell {
     std::unique_ptr<Notifier> notifier = {};  // the way out of the machine; none: nobody is told
     std::string boot_id = {};                 // of this start of the computer; empty: not known
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
-    Diagnose diagnose = {};        // empty: diagnosis::diagnose
+    Diagnose diagnose = {};                 // empty: diagnosis::diagnose
     std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does
     // A stop that a person asked for while no daemon answered: pending from the start on, stored
     // when open() is through.
@@ -70,6 +71,8 @@ class Cell {
   const Services& services() const { return services_; }
   // What the doors tell of access becomes events and alarms. Any thread, until shut_down().
   access::AccessWitness& access_witness();
+  // Tokens and certificates of clients that are about to end become alarms. Before start().
+  void ask_for_ends(std::function<std::vector<access::EndingProof>()> ends);
 
  private:
   explicit Cell(std::unique_ptr<Composition> parts);

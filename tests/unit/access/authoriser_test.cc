@@ -88,6 +88,41 @@ TEST_F(AuthoriserTest, ReadsTheRoleOfACertificate) {
   EXPECT_EQ(identify({"driftwise:role/root"}).error().reason, "NO_ROLE");
 }
 
+TEST_F(AuthoriserTest, KnowsWhichTokensAndShownCertificatesEndSoon) {
+  constexpr std::int64_t kDay = 86'400, kNow = 1'800'000'000;  // 2027-01-15
+  const auto a =
+      book->create("press", Role::controller, "ada", kNow - 300 * kDay, kNow + 20 * kDay);
+  book->create("stage", Role::controller, "ada", kNow - 300 * kDay, kNow + 60 * kDay).value();
+  token(Role::viewer);  // without an end
+  const auto path = folder.path() + "/robot.pem";
+  const auto openssl = [](std::vector<std::string> words) {
+    words.insert(words.begin(), "/usr/bin/openssl");
+    const auto done = tests::run_process(words);
+    EXPECT_EQ(done.code, 0) << done.err;
+  };
+  const std::string key = folder.path() + "/robot.key", index = folder.path() + "/index",
+                    settings = folder.path() + "/ca.cnf", request = folder.path() + "/robot.csr";
+  tests::write_file(index, "");
+  tests::write_file(settings, "[ca]\ndefault_ca = own\n[own]\ndatabase = " + index +
+                                  "\nnew_certs_dir = " + folder.path() +
+                                  "\nrand_serial = yes\ndefault_md = sha256\npolicy = any\n"
+                                  "[any]\ncommonName = supplied\n");
+  openssl({"req", "-new", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes",
+           "-keyout", key, "-out", request, "-subj", "/CN=robot"});
+  openssl({"ca", "-batch", "-config", settings, "-selfsign", "-keyfile", key, "-in", request,
+           "-startdate", "20261101000000Z", "-enddate", "20270125000000Z", "-notext", "-out",
+           path});
+  ASSERT_TRUE(authoriser->identify({.door = Door::tls,
+                                    .from = kFrom,
+                                    .certificate_name = "robot",
+                                    .certificate_uris = {"driftwise:role/controller"},
+                                    .certificate_pem = tests::read_file(path)}));
+  std::vector<std::string> subjects;
+  for (const auto& one : authoriser->ending()) subjects.push_back(one.subject);
+  EXPECT_THAT(subjects,
+              testing::UnorderedElementsAre("token " + a->record.id, "certificate of robot"));
+}
+
 TEST_F(AuthoriserTest, TakesTheTokenOverTheCertificate) {
   const auto who = authoriser->identify({.door = Door::tls,
                                          .from = kFrom,
