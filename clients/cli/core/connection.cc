@@ -14,6 +14,7 @@
 #include "server/core/text/utf8.h"
 #include "server/core/utc_map.h"
 #include "server/formats/text/kept_stop.h"
+#include "server/tls/own_certificate.h"
 
 namespace driftwise::cli {
 namespace {
@@ -148,6 +149,8 @@ Connection::Connection(const Way& way, std::string operator_name, double timeout
     : address_(way.address),
       token_(way.token),
       cell_folder_(way.cell_folder),
+      certificate_pem_(way.certificate_pem),
+      authority_pem_(way.authority_pem),
       tls_(way.tls()),
       operator_name_(std::move(operator_name)),
       timeout_s_(timeout_s),
@@ -179,6 +182,21 @@ void Connection::prepare(grpc::ClientContext& context, double usual_s) const {
                          std::chrono::milliseconds(static_cast<std::int64_t>(limit_s * 1e3)));
 }
 
+// What TLS refuses is a connection that closes: why, only the files can say.
+std::string Connection::hint_of(const grpc::Status& status) const {
+  if (!tls_) {
+    const bool closed = status.error_message().find("ocket closed") != std::string::npos ||
+                        status.error_message().find("reset by peer") != std::string::npos;
+    return closed && !address_.starts_with("unix:")
+               ? " (it closed the connection: a door with TLS needs --tls-ca)"
+               : "";
+  }
+  const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  const std::string doubts = tls::doubts_of(certificate_pem_, authority_pem_, now.count());
+  return " (TLS: " + status.error_message() + ")" + (doubts.empty() ? "" : "; " + doubts);
+}
+
 void Connection::check(const grpc::Status& status) const {
   if (status.ok()) return;
   if (interrupted())
@@ -188,7 +206,7 @@ void Connection::check(const grpc::Status& status) const {
                   status.error_message()};
   if (!detail.message().empty()) failure.message = detail.message();
   const bool nobody_said_so = detail.reason().empty();
-  const std::string tls_words = tls_ ? " (TLS: " + status.error_message() + ")" : "";
+  const std::string tls_words = hint_of(status);
   if (nobody_said_so && status.error_code() == grpc::StatusCode::UNAVAILABLE)
     failure = {
         ExitCode::unreachable, "unavailable", "NO_DAEMON",
@@ -202,6 +220,14 @@ void Connection::check(const grpc::Status& status) const {
                "no answer from " + address_ + " in time" +
                    (halting_ ? tls_words
                              : ": look at `driftwise status`, or allow more with --timeout S")};
+  // gRPC's own words name no limit that a person knows.
+  if (nobody_said_so && status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
+      status.error_message().find("larger than max") != std::string::npos)
+    failure = {ExitCode::bad_input, "resource_exhausted", "TOO_LARGE",
+               "the file is larger than the daemon takes (a dataset of 32 MiB, a trajectory of 8 "
+               "MiB): nothing was stored. Give it in parts, or work on the file: driftwise fit, "
+               "diagnose and model compare need no daemon (" +
+                   status.error_message() + ")"};
   if (halting_ && (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT"))
     failure.message = std::string("NOT ") + halting_ + ": use the emergency switch. " +
                       failure.message + ". " + keep_wish(cell_folder_, operator_name_);

@@ -96,7 +96,9 @@ class Connection {
  private:
   void check(const grpc::Status& status) const;  // throws Failure
 
-  std::string address_, token_, cell_folder_;
+  std::string hint_of(const grpc::Status& status) const;  // where nobody could be reached
+
+  std::string address_, token_, cell_folder_, certificate_pem_, authority_pem_;
   bool tls_;
   const char* halting_ = nullptr;  // what is not done when nobody answers
   std::string operator_name_;

@@ -9,6 +9,8 @@
 #include <iterator>
 #include <optional>
 
+#include "server/tls/own_certificate.h"
+
 namespace driftwise::cli {
 namespace {
 
@@ -115,6 +117,10 @@ Way find_way(const WayOptions& options, const Console& console) {
     throw Failure{ExitCode::usage, "usage", "NO_AUTHORITY",
                   "--tls-cert without --tls-ca: give the certificate of the authority that signed "
                   "the daemon's (authority.pem of 'driftwise cert init')"};
+  if (!way.certificate_pem.empty())
+    if (const auto pair = tls::check_pair(way.certificate_pem, way.key_pem); !pair)
+      throw Failure{ExitCode::bad_input, "invalid_argument", pair.error().reason,
+                    "--tls-cert and --tls-key: " + pair.error().message};
   const auto notice = read_notice(console);
   const bool local = !way.tls() && way.token.empty();
   if (!server.value.empty()) {

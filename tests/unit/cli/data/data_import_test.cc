@@ -46,6 +46,13 @@ TEST_F(CliTest, AMappedFileBecomesARun) {
   EXPECT_EQ(imported.exit, 0) << imported.err;
 }
 
+TEST_F(CliTest, AFileThatTheDaemonDoesNotTakeSaysHowLargeItMayBeAndWhatToDo) {
+  const auto refused = run({"data", "import", file("big.csv", std::string(34 << 20, '#'))});
+  EXPECT_EQ(refused.exit, 3);
+  EXPECT_THAT(refused.err, testing::AllOf(HasSubstr("a dataset of 32 MiB"),
+                                          HasSubstr("nothing was stored"), HasSubstr("in parts")));
+}
+
 TEST_F(CliTest, AMappingThatIsWrongExitsWith3AndNamesItsLine) {
   const auto table = file("lab.csv", kTable);
   const auto bad =
