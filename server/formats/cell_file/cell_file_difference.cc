@@ -385,8 +385,6 @@ std::set<std::pair<std::string, std::string>> known_keys() {
     for (const char* key : keys) known.emplace(kind, key);
   };
   add("cell", {"name", "database", "listen", "target_line", "http"});
-  add("web", {"*"});
-  add("access", {"*"});
   add("clock", {"epoch", "speed", "file"});
   add("run", {"readings_per_point", "max_spread_nm", "max_spread_arcsec", "max_rereads",
               "max_reapproaches", "max_requeues", "reapproach_mm", "settle_s", "in_position_nm",
@@ -441,7 +439,7 @@ Parts all_parts(const CellDescription& cell, std::string_view text) {
 bool is_recorded_only(const std::string& place, const std::string& key) {
   const std::string kind = place.substr(0, place.find(' '));
   for (const char* section :
-       {"cell", "web", "clock", "run", "serving", "backup", "thinning", "alarm", "alarms",
+       {"cell", "access", "web", "clock", "run", "serving", "backup", "thinning", "alarm", "alarms",
         "channel_alarm", "notify", "watchdog", "log", "certificate"})
     if (kind == section) return true;
   if (kind == "device")

@@ -98,6 +98,15 @@ void check_means(TomlReader& reader, const ReceiverDescription& one) {
       (!one.from.empty() || !one.to.empty() || !one.user.empty() || !one.password_file.empty()))
     reader.refuse("name", reasons::kBadReceiver,
                   "found from, to, user or password_file without smtp: they belong to a mail");
+  // No shell divides it into words.
+  if (!one.command.empty())
+    if (const auto& program = one.command.front();
+        program.find('{') != std::string::npos ||
+        (program.find(' ') != std::string::npos && program.find('/') == std::string::npos))
+      reader.refuse("command", reasons::kBadReceiver,
+                    "found the program " + shown(program) +
+                        ", expected a list of program and arguments such as [\"apprise\", \"-b\", "
+                        "\"{text}\"]");
   if (one.user.empty() != one.password_file.empty())
     reader.refuse("user", reasons::kMissingKey,
                   "found one of user and password_file, expected both: they belong together");

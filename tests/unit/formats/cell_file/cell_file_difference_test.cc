@@ -10,6 +10,7 @@
 namespace driftwise::formats {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -147,6 +148,15 @@ TEST(CellFileDifference, RecordsPortsRulesAndNamesOnly) {
                                    "run: max_spread_nm 5 -> 6", "cell: name bench -> bench 2"));
   EXPECT_FALSE(any_asks(found));
   EXPECT_THAT(found.front().affects, IsEmpty());
+}
+
+TEST(CellFileDifference, RecordsADoorThatIsOpened) {
+  EXPECT_THAT(sentences_of(changes_to(text_with(
+                  kDifferenceCell, "[run]",
+                  "[access]\nplain_target_line = \"127.0.0.1:0\"\nplain_interface = \"lo\"\n"
+                  "plain_allow = [\"127.0.0.1\"]\n[run]"))),
+              ElementsAre(AllOf(HasSubstr("access: "), HasSubstr("plain_allow [127.0.0.1]"),
+                                testing::Not(testing::StartsWith("! ")))));
 }
 
 TEST(CellFileDifference, TwoThermometersExchangedAsk) {

@@ -109,6 +109,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "[[notify]]\nname = \"a\"\nsmtp = \"smtps://h\"\nfrom = \"a@b\"\nto = "
                   "[\"a@b\\r\\nBcc: c@d\"]\n",
                   "BAD_RECEIVER"},
+        BadNotify{"words_in_one_text",
+                  "[[notify]]\nname = \"a\"\ncommand = \"apprise -b {text}\"\n", "BAD_RECEIVER"},
         BadNotify{"hours", "[[notify]]\nname = \"a\"\ncommand = [\"x\"]\nhours = \"18-7\"\n",
                   "BAD_TIME"},
         BadNotify{"days", "[[notify]]\nname = \"a\"\ncommand = [\"x\"]\ndays = [\"friday\"]\n",
