@@ -14,6 +14,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <array>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
@@ -175,6 +176,18 @@ tls::TlsFiles tls_files(const AccessDescription& access) {
   return {access.certificate, access.key, access.authority};
 }
 
+// The page's address for who is elsewhere: by its first name; a door of all addresses without a
+// name by the computer's.
+std::string page_address_outside(const AccessDescription& access, const web::HttpServer& door) {
+  std::array<char, 256> host{};
+  std::string name = access.names.empty() ? "" : access.names.front();
+  const bool of_all = access.http.starts_with("0.0.0.0:") || access.http.starts_with("[::]:");
+  if (name.empty() && of_all && ::gethostname(host.data(), host.size() - 1) == 0)
+    name = host.data();
+  if (name.empty()) return door.origin() + "/";
+  return "https://" + name + ":" + std::to_string(door.port()) + "/";
+}
+
 Result<void> open_line(Daemon& daemon, const std::string& key, line::LineDoor door,
                        const Clock& clock, asio::io_context& context) {
   if (door.address.empty()) return {};
@@ -269,7 +282,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   }
 
   Daemon daemon;
-  std::string web_address;
+  std::string web_address, web_address_outside;
   if (!description.http.empty()) {  // listens first: the cell tells where
     DRIFTWISE_TRY(auto http, web::HttpServer::open(description.http));
     daemon.http = std::move(http);
@@ -282,6 +295,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
     DRIFTWISE_TRY(daemon.https,
                   web::HttpServer::open(description.access.http, std::move(material)));
     if (web_address.empty()) web_address = daemon.https->origin() + "/";
+    web_address_outside = page_address_outside(description.access, *daemon.https);
   }
   daemon.kept_stop = std::make_unique<KeptStopFile>(arguments.cell_file);
   const auto kept_stop = daemon.kept_stop->read();
@@ -299,6 +313,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                          .notifier = std::move(notifier),
                                          .boot_id = boot_id(),
                                          .web_address = web_address,
+                                         .web_address_outside = web_address_outside,
                                          .end_daemon = [] { ::kill(::getpid(), SIGTERM); },
                                          .kept_stop = kept_stop,
                                          .log_tail = log_tail,

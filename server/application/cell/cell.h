@@ -46,6 +46,7 @@ class Cell {
     std::unique_ptr<Notifier> notifier = {};  // the way out of the machine; none: nobody is told
     std::string boot_id = {};                 // of this start of the computer; empty: not known
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
+    std::string web_address_outside = {};   // in messages to receivers; empty: web_address
     Diagnose diagnose = {};                 // empty: diagnosis::diagnose
     std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does
     // A stop that a person asked for while no daemon answered: pending from the start on, stored

@@ -100,8 +100,9 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       notify(on,
              {*clock, writer, reader, events, tasks, alarm_book.watchers(), notifier.get(),
               notify_threads.executor(), [this] { return alarm_book.unstored(); }},
-             {description.name, version, given.web_address, description.receivers,
-              description.watchdog},
+             {description.name, version,
+              given.web_address_outside.empty() ? given.web_address : given.web_address_outside,
+              description.receivers, description.watchdog},
              [this](LifeSign& sign) {
                const auto* run = engine.record();
                const bool under_way = run != nullptr && engine.busy();

@@ -185,7 +185,9 @@ ExitCode list_receivers(const Session& session, int limit) {
 ExitCode test_receiver(const Session& session, const std::string& name) {
   v1::TestReceiverRequest request;
   request.set_name(name);
-  const auto response = session.connect().ask(&WatchStub::TestReceiver, request);
+  // A command has 30 s, behind a message that is under way.
+  constexpr double kReceiverTakes_s = 75;
+  const auto response = session.connect().ask(&WatchStub::TestReceiver, request, kReceiverTakes_s);
   if (session.console.json)
     session.console.print_json(json_from(response));
   else
