@@ -28,7 +28,8 @@ class CleanLines final : public spdlog::formatter {
 }  // namespace
 
 std::unique_ptr<spdlog::formatter> clean_log_formatter(const std::string& pattern) {
-  return std::make_unique<CleanLines>(std::make_unique<spdlog::pattern_formatter>(pattern));
+  return std::make_unique<CleanLines>(
+      std::make_unique<spdlog::pattern_formatter>(pattern, spdlog::pattern_time_type::utc));
 }
 
 }  // namespace driftwise

@@ -398,7 +398,7 @@ void set_up_logging(const Arguments& arguments) {
                                       log_tail_sink};
   auto logger = std::make_shared<spdlog::logger>("driftwised", sinks);
   logger->set_level(spdlog::level::from_str(arguments.log_level));
-  logger->set_formatter(clean_log_formatter("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v"));
+  logger->set_formatter(clean_log_formatter("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v"));
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(logger);
 }
