@@ -46,7 +46,8 @@ Result<Lease> LeaseBook::take(const Caller& caller, Nanoseconds duration, const 
   if (entry_ && entry_->lease.until > now)
     return fail(
         ErrorCode::permission_denied, reasons::kLeaseHeld,
-        fmt::format("{} ({}) holds the lease to move until {}: wait, or ask for it to be given up",
+        fmt::format("{} ({}) holds the lease to move until {}: wait, ask for it to be given up, or "
+                    "show its token (--lease-token)",
                     entry_->lease.holder, entry_->lease.peer, text_of(entry_->lease.until)));
   entry_ = std::make_unique<Entry>(
       Entry{Lease{random_token(), caller.name, caller.peer, now + duration}});

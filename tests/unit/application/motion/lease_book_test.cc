@@ -20,6 +20,8 @@ TEST(LeaseBook, GivesTheLeaseToOneClientAtATime) {
   ASSERT_FALSE(bob);
   EXPECT_EQ(bob.error().reason, "LEASE_HELD");
   EXPECT_NE(bob.error().message.find("ada"), std::string::npos);
+  EXPECT_NE(bob.error().message.find("--lease-token"), std::string::npos)
+      << "who took it in another terminal is no stranger";
 }
 
 TEST(LeaseBook, LetsAnotherTakeOverOnlyAfterItRanOut) {
