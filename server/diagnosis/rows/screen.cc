@@ -1,13 +1,12 @@
 #include "server/diagnosis/rows/screen.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
-#include <random>
 #include <set>
 
+#include "server/diagnosis/noise/own_rows.h"
 #include "server/diagnosis/noise/robust.h"
+#include "server/diagnosis/noise/tails.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 #include "server/diagnosis/rows/places.h"
 #include "server/diagnosis/rows/sensor_changes.h"
@@ -23,6 +22,7 @@ constexpr std::size_t kNearby = 40;  // rows to either side in time that tell th
 constexpr std::size_t kBeside = 3;   // rows to either side in position
 constexpr double kOwn = 0.5;         // of a wrong row, beyond what those beside it share
 constexpr double kSurelyGross = 0.9;  // posterior
+constexpr Eigen::Index kNear = 3;     // rows apart: what two of them share lasts longer than a row
 // A spread that grows little by little with the hour does so in all outputs, and is no change at an
 // instant: a third of the gain again for each of them, where chance alone would take 3.4.
 constexpr double kNoiseChangeGain = 30, kOfFurtherOutput = 10;
@@ -133,118 +133,6 @@ bool tails_are_heavy(const Problem& problem, const std::vector<std::size_t>& row
   return between > std::max<std::size_t>(1, wrong.size() / 3);
 }
 
-constexpr std::array<double, 7> kFreedoms = {2, 3, 4, 6, 10, 20, 1000};
-
-// Residuals of one output, whitened: a Student law alone, or beside it a few gross errors of a size
-// of their own. Both by expectation and maximisation, for each of the degrees of freedom.
-class Tails {
- public:
-  explicit Tails(const Eigen::VectorXd& left) : square_(left.array().square()) {
-    const double robust = robust_sd({left.data(), left.data() + left.size()});
-    start_ = std::max(robust * robust, 1e-300);
-    for (std::size_t f = 0; f < kFreedoms.size(); ++f) {
-      one_law_[f] = fit(kFreedoms[f], false);
-      two_laws_[f] = fit(kFreedoms[f], true);
-    }
-  }
-  double one_law(std::size_t freedom) const { return one_law_[freedom].log_likelihood; }
-  double two_laws(std::size_t freedom) const { return two_laws_[freedom].log_likelihood; }
-  // Posterior of being a gross error.
-  const Eigen::ArrayXd& gross(std::size_t freedom) const { return two_laws_[freedom].gross; }
-
- private:
-  struct Fit {
-    double log_likelihood = -1e300;
-    Eigen::ArrayXd gross;
-  };
-  Fit fit(double freedom, bool with_gross) const {
-    constexpr int kRounds = 40;
-    constexpr double kFar = 16;  // squared: where a first guess takes rows for gross
-    Fit result{-1e300, Eigen::ArrayXd::Zero(square_.size())};
-    if (with_gross) result.gross = (square_ > kFar * start_).cast<double>();
-    double scale = start_;
-    for (int round = 0; round < kRounds; ++round) {
-      const Eigen::ArrayXd kept = 1 - result.gross;
-      const Eigen::ArrayXd weight = (freedom + 1) / (freedom + square_ / scale);
-      scale = std::max((kept * weight * square_).sum() / kept.sum(), 1e-300);
-      const double norm = std::lgamma((freedom + 1) / 2) - std::lgamma(freedom / 2) -
-                          0.5 * std::log(freedom * std::numbers::pi * scale);
-      const Eigen::ArrayXd ordinary =
-          (norm - (freedom + 1) / 2 * (1 + square_ / (freedom * scale)).log()).exp();
-      const double count = result.gross.sum();
-      if (count < 0.5) {
-        result.gross.setZero();
-        result.log_likelihood = ordinary.max(1e-300).log().sum();
-        continue;
-      }
-      const double share = std::min(count / static_cast<double>(square_.size()), kMostWrongRows);
-      const double size = (result.gross * square_).sum() / count;
-      const Eigen::ArrayXd wrong =
-          share * (-square_ / (2 * size)).exp() / std::sqrt(2 * std::numbers::pi * size);
-      const Eigen::ArrayXd both = ((1 - share) * ordinary + wrong).max(1e-300);
-      result.log_likelihood = both.log().sum();
-      result.gross = wrong / both;
-    }
-    return result;
-  }
-
-  Eigen::ArrayXd square_;
-  double start_ = 1;
-  std::array<Fit, kFreedoms.size()> one_law_, two_laws_;
-};
-
-constexpr int kDrawnTails = 49;
-
-struct GrossGain {
-  double gain = 0;  // 2 ln L
-  std::size_t freedom = 0;
-};
-
-// With gross errors on one output to without any. The same instruments read all outputs in the same
-// air, so that their tails have one shape, as their noise has; an output's own costs as much.
-GrossGain gross_gain(const std::vector<Tails>& outputs, std::size_t output) {
-  double without = -INFINITY, with = -INFINITY, others = -INFINITY, own = -INFINITY;
-  GrossGain result;
-  for (std::size_t f = 0; f < kFreedoms.size(); ++f) {
-    double rest = 0;
-    for (std::size_t o = 0; o < outputs.size(); ++o)
-      if (o != output) rest += outputs[o].one_law(f);
-    others = std::max(others, rest);
-    own = std::max(own, outputs[output].one_law(f));
-    without = std::max(without, rest + outputs[output].one_law(f));
-    if (rest + outputs[output].two_laws(f) <= with) continue;
-    with = rest + outputs[output].two_laws(f);
-    result.freedom = f;
-  }
-  result.gain = 2 * (with - std::max(without, others + own - kOwnShape / 2));
-  return result;
-}
-
-// Chance of such a gain where all rows of all outputs follow one Student law, from the largest gain
-// over the outputs in rows drawn so. Its tail falls like exp(-x / 2): a ratio of likelihoods.
-double chance_of_gross(const std::vector<Tails>& outputs, Eigen::Index rows, double gain) {
-  std::size_t freedom = 0;
-  double highest = -INFINITY;
-  for (std::size_t f = 0; f < kFreedoms.size(); ++f) {
-    double sum = 0;
-    for (const Tails& one : outputs) sum += one.one_law(f);
-    if (sum > highest) highest = sum, freedom = f;
-  }
-  std::mt19937_64 random(1);
-  std::student_t_distribution<double> student(kFreedoms[freedom]);
-  double chance = 0;
-  for (int k = 0; k < kDrawnTails; ++k) {
-    std::vector<Tails> drawn;
-    for (std::size_t o = 0; o < outputs.size(); ++o)
-      drawn.emplace_back(Eigen::VectorXd::NullaryExpr(rows, [&] { return student(random); }));
-    double largest = 0;
-    for (std::size_t o = 0; o < drawn.size(); ++o)
-      largest = std::max(largest, gross_gain(drawn, o).gain);
-    chance += std::min(1.0, std::exp((largest - gain) / 2)) / kDrawnTails;
-  }
-  return chance;
-}
-
 }  // namespace
 
 std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
@@ -314,36 +202,40 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
 std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& ground, double alpha) {
   std::vector<OutlierRow> found;
   if (problem.rows_per_block > 1) return found;
-  const double needed = 2 * std::log(static_cast<double>(ground.outputs()) / alpha);
   std::vector<Eigen::VectorXd> left_of;
   std::vector<Tails> tails;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
-    left_of.emplace_back(ground.space(ground.best_shape(o)).left_over(ground.series().col(o)));
+    const WhitenedSpace& space = ground.space(ground.best_shape(o));
+    left_of.emplace_back(own_rows(space, space.left_over(ground.series().col(o))).off);
     tails.emplace_back(left_of.back());
   }
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
     const auto at_output = static_cast<std::size_t>(o);
     const Eigen::VectorXd& left = left_of[at_output];
     const GrossGain best = gross_gain(tails, at_output);
-    if (best.gain < needed) continue;
-    const double p = std::max(chance_of_gross(tails, left.size(), best.gain),
-                              static_cast<double>(ground.outputs()) * std::exp(-best.gain / 2));
+    if (best.gain < 2 * std::log(kTailFrom / alpha)) continue;
+    const double p = chance_of_gross(tails, left.size(), best.gain);
     if (p > alpha) continue;
     const Eigen::ArrayXd& gross = tails[at_output].gross(best.freedom);
-    const auto beside = as_beside(problem, problem.learn, {left.data(), left.data() + left.size()});
+    const std::vector<double> values(left.data(), left.data() + left.size());
+    const auto beside = as_beside(problem, problem.learn, values);
+    const double sd = robust_sd(values);
+    std::vector<Eigen::Index> off;
+    for (Eigen::Index i = 0; i < left.size(); ++i)
+      if (gross[i] >= kSurelyGross) off.push_back(i);
+    const auto wrong = beyond_the_farther(ground.space(ground.best_shape(o)), left, std::move(off));
     std::vector<OutlierRow> rows;
-    std::size_t shared = 0;
-    for (Eigen::Index i = 0; i < left.size(); ++i) {
-      if (gross[i] < kSurelyGross) continue;
+    for (std::size_t k = 0; k < wrong.size(); ++k) {
+      const Eigen::Index i = wrong[k];
       const auto at = static_cast<std::size_t>(i);
-      const bool follows = !rows.empty() && rows.back().row + 1 == problem.learn[at];
-      shared += follows || std::abs(left[i] - beside[at]) < kOwn * std::abs(left[i]) ? 1 : 0;
-      rows.push_back({problem.learn[at],
-                      problem.outputs[static_cast<std::size_t>(o)].channel.symbol,
-                      std::abs(left[i]) / robust_sd({left.data(), left.data() + left.size()}), p});
+      const bool near_another = (k > 0 && i - wrong[k - 1] <= kNear) ||
+                                (k + 1 < wrong.size() && wrong[k + 1] - i <= kNear);
+      if (!near_another && std::abs(left[i] - beside[at]) >= kOwn * std::abs(left[i]))
+        rows.push_back({problem.learn[at], problem.outputs[at_output].channel.symbol,
+                        std::abs(left[i]) / sd, p});
     }
-    // What neighbours in time or place share is no error of a row.
-    if (shared == 0) found.insert(found.end(), rows.begin(), rows.end());
+    // What neighbours in time or place share is no error of a row; where most do, none is.
+    if (2 * rows.size() > wrong.size()) found.insert(found.end(), rows.begin(), rows.end());
   }
   std::ranges::stable_sort(found, {}, &OutlierRow::row);
   return found;

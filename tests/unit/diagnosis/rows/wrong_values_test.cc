@@ -90,6 +90,46 @@ TEST(OneWrongRow, IsFoundInAShortFile) {
   EXPECT_GE(right, 9);
 }
 
+// 8 standard deviations, three rows of 198, either sign; the next of the noise is at 2.8.
+TEST(ThreeWrongRows, AreFoundThoughAStudentLawHasSuchTails) {
+  int right = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const auto found =
+        diagnosed(rail(198,
+                       [&](std::size_t row) {
+                         const bool wrong = row == 40 || row == 97 || row == 151;
+                         return 0.5 * normal(random) + (wrong ? row % 2 == 0 ? 4 : -4 : 0);
+                       }),
+                  "ex ~ x");
+    if (found.findings.size() == 1 && wrong_rows(found) == std::vector<std::size_t>{40, 97, 151})
+      ++right;
+  }
+  EXPECT_GE(right, 8);
+}
+
+// Noise that holds for three rows: the wrong row's neighbours agree with one another, and what is
+// left of them, whitened, has the error in the next row too.
+TEST(ThreeWrongRows, AreFoundInNoiseThatIsCorrelatedFromRowToRow) {
+  int right = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    double slow = 0;
+    const auto found = diagnosed(rail(198,
+                                      [&](std::size_t row) {
+                                        slow = 0.7 * slow + 0.5 * std::sqrt(0.51) * normal(random);
+                                        const bool wrong = row == 40 || row == 97 || row == 151;
+                                        return slow + (wrong ? row % 2 == 0 ? 4 : -4 : 0);
+                                      }),
+                                 "ex ~ x");
+    if (found.findings.size() == 1 && wrong_rows(found) == std::vector<std::size_t>{40, 97, 151})
+      ++right;
+  }
+  EXPECT_GE(right, 8);
+}
+
 // The first row after a new zero, and then lunch: the robot is another one when the rest comes.
 TEST(OneWrongRow, IsNotARowBetweenAZeroAndAPause) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
