@@ -5,6 +5,8 @@
 #include <cstdio>
 
 #include "server/diagnosis/growth/omnibus.h"
+#include "server/diagnosis/noise/own_rows.h"
+#include "server/diagnosis/noise/tails.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
@@ -20,7 +22,8 @@ double gain_of(const std::vector<NoiseChange>& changes, Eigen::Index instants) {
   return sum;
 }
 
-constexpr double kNoWeight = 1e4;  // spread of a wrong row over the others'
+constexpr double kNoWeight = 1e4;   // spread of a wrong row over the others'
+constexpr double kMostFreedom = 6;  // of tails that are worth it: a sixth of the noise's variance
 
 }  // namespace
 
@@ -172,6 +175,43 @@ bool DataFaults::weighed_first(const Extension& extension, const Look& look) {
   if (!more(over_places, std::max(cause, at_an_instant))) return false;
   place_weighed_ = true;
   weigh_rows(*over_places, "place");
+  return true;
+}
+
+bool DataFaults::tame_tails(const Extension& extension, const std::vector<NoiseShape>& shapes) {
+  if (tamed_ || problem_.rows_per_block > 1) return false;
+  const Ground ground = extension.ground({}, shapes);
+  std::vector<OwnRows> own;
+  std::vector<Tails> tails;
+  for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
+    const WhitenedSpace& space = ground.space(ground.best_shape(o));
+    own.push_back(own_rows(space, space.left_over(ground.series().col(o))));
+    tails.emplace_back(own.back().off.col(0));
+  }
+  const CommonTails common = common_tails(tails);
+  const double freedom = Tails::kFreedoms[common.freedom];
+  if (common.gain < 2 * std::log(1 / options_.alpha) || freedom > kMostFreedom) return false;
+  tamed_ = true;
+  for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
+    const Eigen::ArrayXd off = own[o].off.col(0);
+    // The law's score over its mean slope, (freedom + 1) / (freedom + 3) of its value at zero.
+    const Eigen::ArrayXd said =
+        off * (freedom + 3) / (freedom + off.square() / tails[o].square(common.freedom));
+    auto& output = problem_.outputs[o];
+    output.tails = Eigen::VectorXd::Zero(output.measured.size());
+    for (std::size_t i = 0; i < problem_.learn.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      if (own[o].length[at] > 0)
+        output.tails[static_cast<Eigen::Index>(problem_.learn[i])] =
+            (off[at] - said[at]) / own[o].length[at];
+    }
+  }
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the noise has heavy tails (Student's law with %.0f degrees of freedom): the "
+                "search takes every row for what it says under that law",
+                freedom);
+  result_.warnings.emplace_back(text);
   return true;
 }
 

@@ -98,7 +98,7 @@ class Diagnoser {
       const Physics physics(problem_, options_.levers);
       DRIFTWISE_TRY(auto bank,
                     column_bank(problem_, physics, causes_, [this] { return progress_.tick(); }));
-      series_ = problem_.series();
+      series_ = problem_.searched();
       std::optional<TwoSides> sides;
       DRIFTWISE_RETURN_IF_ERROR(search(physics, std::move(bank), sides));
       if (!sides) break;
@@ -179,6 +179,12 @@ class Diagnoser {
       if (look->first) nearest_ = {name_of(causes_[*look->first]), look->p_adjusted};
       if (!noise_looked_at && faults_.note_noise(extension, look->shapes)) {
         noise_looked_at = true;  // and look once more, with every row's own spread
+        again = false;
+        continue;
+      }
+      if (faults_.tame_tails(extension, look->shapes)) {
+        noise_looked_at = true;
+        series_ = problem_.searched();
         again = false;
         continue;
       }

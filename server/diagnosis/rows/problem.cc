@@ -293,6 +293,14 @@ Eigen::MatrixXd Problem::series() const {
   return result;
 }
 
+Eigen::MatrixXd Problem::searched() const {
+  Eigen::MatrixXd result = series();
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    if (outputs[o].tails.size() > 0)
+      result.col(static_cast<Eigen::Index>(o)) -= learned(outputs[o].tails);
+  return result;
+}
+
 void Problem::leave_out(const std::vector<std::size_t>& rows) {
   std::erase_if(learn, [&](std::size_t row) { return std::ranges::binary_search(rows, row); });
   judge_without(rows);

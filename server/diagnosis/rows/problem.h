@@ -29,6 +29,9 @@ struct ProblemOutput {
   // Sides that `measured` was freed of, every row (two_sides.h). No prediction knows them, so
   // figures are of the readings as they were. Empty: nothing.
   Eigen::VectorXd freed_of{};
+  // What the search takes off the rows that learn, for their noise has heavy tails
+  // (DataFaults::tame_tails); `measured` has it. Empty: nothing.
+  Eigen::VectorXd tails{};
 };
 
 // Rows that one fit of the held-out figures learns from, and those it is judged on.
@@ -66,6 +69,8 @@ struct Problem {
   Eigen::MatrixXd learned(const Eigen::MatrixXd& all) const;
   // Readings of every output, one row per block of learning rows: rows x outputs, summary units.
   Eigen::MatrixXd series() const;
+  // The same without their tails.
+  Eigen::MatrixXd searched() const;
   // Leaves these rows of the dataset out of learning and judging.
   void leave_out(const std::vector<std::size_t>& rows);
   // The same of judging and of the fits that are judged; the search keeps its rows.
