@@ -1,13 +1,17 @@
 #include "server/diagnosis/rows/predicted_pose.h"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "server/core/try.h"
 #include "server/diagnosis/noise/robust.h"
 #include "server/diagnosis/rows/aliases.h"
+#include "server/diagnosis/rows/problem.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -193,6 +197,109 @@ std::optional<std::vector<double>> predicted_coordinate(const Dataset& dataset,
     result[row] = at.dot(b.transpose());
   }
   return result;
+}
+
+namespace {
+
+// Motor coordinates by the baseline at the pose that `prepared` has: rows x motors.
+Result<Eigen::MatrixXd> motors_at(const Problem& problem, const Eigen::MatrixXd& coefficients) {
+  DRIFTWISE_TRY(const auto columns, problem.prepared.columns(problem.base));
+  return Eigen::MatrixXd(columns * coefficients);
+}
+
+// Of a coordinate, what the rows that learn are off the measured one.
+double off_the_measured(const Problem& problem, const std::vector<double>& measured,
+                        const Eigen::Ref<const Eigen::VectorXd>& pose) {
+  std::vector<double> off;
+  for (const std::size_t row : problem.learn)
+    off.push_back(measured[row] - pose[static_cast<Eigen::Index>(row)]);
+  const double middle = median(off);
+  for (double& one : off) one -= middle;
+  return robust_sd(std::move(off));
+}
+
+void set_pose(Problem& problem, const std::vector<std::string>& symbols,
+              const Eigen::MatrixXd& pose) {
+  for (std::size_t k = 0; k < symbols.size(); ++k) {
+    const auto column = pose.col(static_cast<Eigen::Index>(k));
+    problem.prepared.set_coordinate(symbols[k], {column.data(), column.data() + column.size()});
+  }
+}
+
+}  // namespace
+
+Result<void> solve_for_pose(Problem& problem, const Eigen::MatrixXd& at_measured) {
+  constexpr int kRounds = 3;
+  constexpr double kStep = 1e-3;  // of a coordinate's range: slopes are taken over it
+  constexpr double kSeen = 0.01;  // of what the pose is off: less is the polynomial's own freedom
+  std::vector<std::string> symbols;
+  std::vector<std::vector<double>> measured;
+  const Dataset& readings = problem.data();
+  for (const auto& column : readings.columns) {
+    if (!is_coordinate(problem, column.channel)) continue;
+    if (!std::ranges::any_of(problem.base, [&](const effects::Term& term) {
+          const auto read = effects::symbols_of(term);
+          return std::ranges::find(read, column.channel.symbol) != read.end();
+        }))
+      continue;
+    symbols.push_back(column.channel.symbol);
+    measured.push_back(column.values);
+  }
+  const bool all_motors = std::ranges::all_of(
+      problem.outputs, [](const auto& output) { return is_motor_symbol(output.channel.symbol); });
+  if (symbols.size() < 2 || !all_motors || symbols.size() != problem.outputs.size()) return {};
+  const auto rows = static_cast<Eigen::Index>(readings.rows);
+  const auto size = static_cast<Eigen::Index>(symbols.size());
+  Eigen::MatrixXd learned = rows_of(at_measured, problem.learn), motors(rows, size);
+  const Eigen::RowVectorXd inverse = learned.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  learned = learned * inverse.asDiagonal();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(learned);
+  Eigen::MatrixXd coefficients(at_measured.cols(), size);
+  for (Eigen::Index o = 0; o < size; ++o) {
+    const auto& output = problem.outputs[static_cast<std::size_t>(o)];
+    motors.col(o) = output.measured;
+    coefficients.col(o) =
+        inverse.transpose().cwiseProduct(qr.solve(rows_of(output.measured, problem.learn)));
+  }
+  Eigen::MatrixXd first(rows, size);
+  for (Eigen::Index k = 0; k < size; ++k)
+    first.col(k) = Eigen::Map<const Eigen::VectorXd>(
+        problem.prepared.conditions().values_of(symbols[static_cast<std::size_t>(k)]).data(), rows);
+  Eigen::MatrixXd pose = first;
+  for (int round = 0; round < kRounds; ++round) {
+    set_pose(problem, symbols, pose);
+    DRIFTWISE_TRY(const auto here, motors_at(problem, coefficients));
+    std::vector<Eigen::MatrixXd> slopes;
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const double step = kStep * (first.col(k).maxCoeff() - first.col(k).minCoeff());
+      Eigen::MatrixXd moved = pose;
+      moved.col(k).array() += step;
+      set_pose(problem, symbols, moved);
+      DRIFTWISE_TRY(const auto there, motors_at(problem, coefficients));
+      slopes.emplace_back((there - here) / step);
+    }
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      Eigen::MatrixXd slope(size, size);
+      for (Eigen::Index k = 0; k < size; ++k)
+        slope.col(k) = slopes[static_cast<std::size_t>(k)].row(row).transpose();
+      const Eigen::VectorXd by =
+          slope.partialPivLu().solve((motors.row(row) - here.row(row)).transpose());
+      if (by.allFinite()) pose.row(row) += by.transpose();
+    }
+  }
+  bool nearer = false;
+  for (Eigen::Index k = 0; k < size && pose.allFinite(); ++k) {
+    const auto& of = measured[static_cast<std::size_t>(k)];
+    const double before = off_the_measured(problem, of, first.col(k)),
+                 after = off_the_measured(problem, of, pose.col(k));
+    if (after > before) {
+      nearer = false;
+      break;
+    }
+    nearer = nearer || after < (1 - kSeen) * before;
+  }
+  set_pose(problem, symbols, nearer ? pose : first);
+  return {};
 }
 
 }  // namespace driftwise::diagnosis

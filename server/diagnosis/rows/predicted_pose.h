@@ -4,10 +4,13 @@
 // wave of the grid's period through the measured coordinate explains all rows of data with nothing
 // in them (NUMERICS.md section 4). Columns of causes are computed from the prediction.
 
+#include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/core/data/dataset.h"
+#include "server/core/result.h"
 
 namespace driftwise::diagnosis {
 
@@ -27,5 +30,16 @@ std::size_t different_places(const std::vector<const std::vector<double>*>& coor
 // complete. Missing motors leave the measured value.
 std::optional<std::vector<double>> predicted_coordinate(const Dataset& dataset,
                                                         const std::string& symbol);
+
+struct Problem;
+
+// The pose at which the baseline, fitted at the measured pose, has each row's motor coordinates:
+// Newton's method from the prediction above, one solution for each row. A polynomial of third
+// degree is micrometres off the inverse of another one, which is a whole period of a laser's wave.
+// Taken where one of its coordinates lies nearer to the measured one by a hundredth and none
+// farther. Nothing where the baseline has not as many motors as it
+// reads coordinates, or one: its fifth degree is near enough.
+// at_measured: the baseline's columns there. Errors: those of Prepared::columns.
+Result<void> solve_for_pose(Problem& problem, const Eigen::MatrixXd& at_measured);
 
 }  // namespace driftwise::diagnosis

@@ -238,6 +238,7 @@ bool predict_coordinates(Problem& problem) {
 // noise. What the baseline misses at the measured pose stays what it is.
 Result<void> lay_on_prediction(Problem& problem) {
   const Eigen::MatrixXd at_measured = std::move(problem.base_columns);
+  DRIFTWISE_RETURN_IF_ERROR(solve_for_pose(problem, at_measured));
   DRIFTWISE_TRY(auto at_predicted, problem.prepared.columns(problem.base));
   problem.base_columns = std::move(at_predicted);
   for (Eigen::Index i = 0; i < at_measured.rows(); ++i)
