@@ -35,11 +35,11 @@ class DataFaults {
   // explains more than the cause does, and than a change at one instant, which has a name.
   bool weighed_first(const Extension& extension, const Look& look);
 
-  // Asked where the search finds no further cause, and nothing of the above: noise with heavy tails.
-  // The search then works on what each row says under the Student law that its noise follows: one
-  // step of the fit by maximum likelihood, after which normal noise may be assumed. Of noise with
-  // three degrees of freedom half is gone, and an effect keeps its size. Figures stay those of the
-  // readings. False: nothing of it.
+  // Asked where the search finds no further cause, and nothing of the above: noise with heavy
+  // tails. The search then works on what each row says under the Student law that its noise
+  // follows: one step of the fit by maximum likelihood, after which normal noise may be assumed. Of
+  // noise with three degrees of freedom half is gone, and an effect keeps its size. Figures stay
+  // those of the readings. False: nothing of it.
   bool tame_tails(const Extension& extension, const std::vector<NoiseShape>& shapes);
 
   // The readings lie on two sides, and no cause explains them as well: the search works on what
