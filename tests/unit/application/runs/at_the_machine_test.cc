@@ -316,9 +316,12 @@ TEST_F(AfterAwayTest, OfTheComputerNothingMovesUntilAPersonResumes) {
   EXPECT_THAT(cell.status().run->run.reason, HasSubstr("the computer was started anew"));
   EXPECT_THAT(cell.events_named("run.restarted"),
               testing::ElementsAre("restart of the computer: row 4 is next"));
-  for (const auto& alarm : *cell.await(cell->alarms.list(true, 100)))
-    if (alarm.kind == "run.paused")
-      EXPECT_EQ(alarm.level, AlarmLevel::warning) << "nobody at home knows that it waits";
+  const auto alarms = cell.await(cell->alarms.list(true, 100));
+  ASSERT_TRUE(alarms);
+  for (const auto& alarm : *alarms) {
+    if (alarm.kind != "run.paused") continue;
+    EXPECT_EQ(alarm.level, AlarmLevel::warning) << "nobody at home knows that it waits";
+  }
   EXPECT_THAT(cell.alarms_of("run.paused"), SizeIs(1));
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done);
