@@ -91,10 +91,14 @@ bool DataFaults::is_structure(const std::vector<NoiseChange>& changes,
     largest = std::max(largest, change.gain);
     together += change.gain;
   }
+  return is_structure(largest, together, simulation);
+}
+
+bool DataFaults::is_structure(double of_one, double of_all, const SoftBase& simulation) const {
   const Eigen::MatrixXd series = problem_.series();
   const auto field =
       Omnibus(problem_, series, options_.exclude_symbols).likeliest_field(simulation);
-  return field.of_one > largest || field.of_all > together;
+  return field.of_one > of_one || field.of_all > of_all;
 }
 
 bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes) {
@@ -191,6 +195,7 @@ bool DataFaults::tame_tails(const Extension& extension, const std::vector<NoiseS
   const CommonTails common = common_tails(tails);
   const double freedom = Tails::kFreedoms[common.freedom];
   if (common.gain < 2 * std::log(1 / options_.alpha) || freedom > kMostFreedom) return false;
+  if (is_structure(common.gain, common.gain, extension.learned())) return false;
   tamed_ = true;
   for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
     const Eigen::ArrayXd off = own[o].off.col(0);

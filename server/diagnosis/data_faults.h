@@ -54,6 +54,8 @@ class DataFaults {
   // A smooth field of place, time and conditions explains more than the changes of spread do: a
   // load that comes with the second grid and is not in the simulation is no noise.
   bool is_structure(const std::vector<NoiseChange>& changes, const SoftBase& simulation) const;
+  // The same of any noise that explains so much in 2 ln L: one output, all together.
+  bool is_structure(double of_one, double of_all, const SoftBase& simulation) const;
   void note_changes(const std::vector<NoiseChange>& changes);  // one at least
   void weigh_rows(const Spread& spread, const std::string& goes_with);
 
