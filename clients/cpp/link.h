@@ -20,7 +20,7 @@ struct Link {
 
   Link(std::string to, std::string who, const Credentials& credentials);
   void sign(grpc::ClientContext& context) const;  // who is asking
-  // What the caller is told of a call that failed. Without a daemon the way back begins.
+  // Failure as the caller is told of it. Without a daemon the way back begins.
   Failure failure_of(const grpc::Status& status) const;
 
  private:

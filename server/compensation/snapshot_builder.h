@@ -124,7 +124,7 @@ class SnapshotBuilder {
                        Output& output) const;
   // Of every output, from the residuals of all.
   void add_own_scatter(const CellDescription& cell);
-  // How much of the readings at the zero the rows' noise has. noise_nm2: of the instruments.
+  // Share of the readings at the zero that the rows' noise has. noise_nm2: of the instruments.
   static void share_noise(const calibration::OutputModel& from, double noise_nm2, Output& output);
   Result<Term> split(const effects::Term& term);
   Result<void> add_fast_input(const Channel& channel, const calibration::ChannelRange& range);

@@ -182,7 +182,7 @@ void Connection::prepare(grpc::ClientContext& context, double usual_s) const {
                          std::chrono::milliseconds(static_cast<std::int64_t>(limit_s * 1e3)));
 }
 
-// What TLS refuses is a connection that closes: why, only the files can say.
+// Reason of a refusal by TLS: a client sees a connection that closes, only its files say why.
 std::string Connection::hint_of(const grpc::Status& status) const {
   if (!tls_) {
     const bool closed = status.error_message().find("ocket closed") != std::string::npos ||

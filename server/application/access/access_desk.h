@@ -30,7 +30,7 @@ class AccessDesk final : public access::AccessWitness {
              std::function<void(AlarmCondition)> alarm);
 
   void note(access::AccessNote what) override;
-  // Where the ends of tokens and certificates of clients are asked, on the thread of the texts.
+  // Ends of clients' tokens and certificates are asked here, on the thread of the texts.
   // Before start(); what it asks outlives shut_down().
   void ask_for_ends(std::function<std::vector<access::EndingProof>()> ends);
 

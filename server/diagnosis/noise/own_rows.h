@@ -1,5 +1,5 @@
 #pragma once
-// What each row is off by itself, beyond what its noise has in common with its neighbours' and
+// Error of each row by itself, beyond what its noise has in common with its neighbours' and
 // beyond the simulation. In correlated noise whitened rows show a wrong reading in the row after it
 // as well, and less of it in its own.
 

@@ -1,5 +1,5 @@
 #pragma once
-// How heavy the tails of what is left are: a Student law alone, or beside it a few gross errors of
+// Tails of what is left: a Student law alone, or beside it a few gross errors of
 // a size of their own. Both by expectation and maximisation, for each of some degrees of freedom.
 
 #include <Eigen/Core>

@@ -29,7 +29,7 @@ struct ProblemOutput {
   // Sides that `measured` was freed of, every row (two_sides.h). No prediction knows them, so
   // figures are of the readings as they were. Empty: nothing.
   Eigen::VectorXd freed_of{};
-  // What the search takes off the rows that learn, for their noise has heavy tails
+  // Part that the search takes off the rows that learn, for their noise has heavy tails
   // (DataFaults::tame_tails); `measured` has it. Empty: nothing.
   Eigen::VectorXd tails{};
 };

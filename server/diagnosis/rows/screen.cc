@@ -234,7 +234,7 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
         rows.push_back({problem.learn[at], problem.outputs[at_output].channel.symbol,
                         std::abs(left[i]) / sd, p});
     }
-    // What neighbours in time or place share is no error of a row; where most do, none is.
+    // Errors that neighbours in time or place share are no row's; where most do, none is.
     if (2 * rows.size() > wrong.size()) found.insert(found.end(), rows.begin(), rows.end());
   }
   std::ranges::stable_sort(found, {}, &OutlierRow::row);

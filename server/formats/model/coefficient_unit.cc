@@ -16,7 +16,7 @@ std::string unit_of(const std::string& symbol, const calibration::Model& model) 
   return "";
 }
 
-// What a coefficient is "per", each unit once with its power: mm/mm^3 of x:y:z.
+// Unit that a coefficient is "per", each factor once with its power: mm/mm^3 of x:y:z.
 class Divisor {
  public:
   void multiply(const std::string& unit, int exponent) {

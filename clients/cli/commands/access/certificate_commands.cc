@@ -135,7 +135,7 @@ std::vector<std::string> with_new_key(std::vector<std::string> arguments) {
   return arguments;
 }
 
-// Who reads the files of a certificate: the daemon, as the owner of the folder, or the person for
+// Reader of a certificate's files: the daemon, as the owner of the folder, or the person for
 // whom they are made.
 enum class For { daemon, client };
 

@@ -86,7 +86,7 @@ export function parameterText(value: number, interval: { low: number; high: numb
 // A channel at the beginning (q1, x) keeps its letter.
 export const sentenceCase = (text: string): string => (/^[a-z]{2,}([\s,:]|$)/.test(text) ? text[0].toUpperCase() + text.slice(1) : text);
 
-// What a turn did, a sentence each, without what stands in the turn's table; sentences that differ in one name only are one.
+// Sentences of a turn, without what stands in its table; those that differ in one name only are one.
 export function turnLines(what: string): string[] {
   const lines = what.split(/\.+ (?=[A-Z]|stopped|[a-z]+\d* (?:has|is|sags|turns|heats) |\w+_\w+ \w+ cannot)/).map(headline).filter((line) => line !== '' && line !== 'A90 on fresh points').map((line) => sentenceCase(withCauses(line)));
   const terms = /^The geometry needs terms in (\S+) that the simulation lacks$/;

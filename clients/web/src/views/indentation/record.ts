@@ -96,7 +96,7 @@ export function answerInWords(by: string): { who: string; doubts: string[] } {
   return { who: models.length > 0 && models.every(Boolean) ? `${plan}: ${models.join(', ')}` : source, doubts: flags < 0 ? [] : flagsInWords([by.slice(flags)]) };
 }
 
-// What answered, with the contacts that it moved to.
+// Models that answered, with the contacts that they moved to.
 export function answers(contacts: readonly Contact[]): { by: string; contacts: string }[] {
   const found = new Map<string, number[]>();
   for (const one of contacts) found.set(one.by, [...(found.get(one.by) ?? []), one.contact]);
