@@ -13,6 +13,7 @@
 #include <ctime>
 #include <memory>
 
+#include "server/core/freed.h"
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
@@ -20,20 +21,9 @@
 namespace driftwise::access {
 namespace {
 
-template <auto Free>
-struct Freed {
-  template <class T>
-  void operator()(T* held) const {
-    Free(held);
-  }
-};
 using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
 using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
 using File = std::unique_ptr<std::FILE, Freed<std::fclose>>;
-
-struct NamesFreed {
-  void operator()(GENERAL_NAMES* names) const { GENERAL_NAMES_free(names); }
-};
 
 Result<File> open_file(const std::string& path, const char* what) {
   File file(std::fopen(path.c_str(), "re"));
@@ -75,7 +65,7 @@ CertificateFacts facts_of(const X509* certificate) {
   facts.issuer = common_name(X509_get_issuer_name(certificate));
   facts.not_before_utc_s = utc_s(X509_get0_notBefore(certificate));
   facts.not_after_utc_s = utc_s(X509_get0_notAfter(certificate));
-  const std::unique_ptr<GENERAL_NAMES, NamesFreed> names(static_cast<GENERAL_NAMES*>(
+  const std::unique_ptr<GENERAL_NAMES, Freed<GENERAL_NAMES_free>> names(static_cast<GENERAL_NAMES*>(
       X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)));
   for (int i = 0; names && i < sk_GENERAL_NAME_num(names.get()); ++i) {
     const GENERAL_NAME* one = sk_GENERAL_NAME_value(names.get(), i);

@@ -10,24 +10,18 @@
 #include <utility>
 #include <vector>
 
+#include "server/core/freed.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::access {
 namespace {
 
-template <auto Free>
-struct OpenSslFreed {
-  template <class T>
-  void operator()(T* held) const {
-    Free(held);
-  }
-};
-using HeldList = std::unique_ptr<X509_CRL, OpenSslFreed<X509_CRL_free>>;
-using HeldCertificate = std::unique_ptr<X509, OpenSslFreed<X509_free>>;
-using HeldKey = std::unique_ptr<EVP_PKEY, OpenSslFreed<EVP_PKEY_free>>;
-using HeldFile = std::unique_ptr<std::FILE, OpenSslFreed<std::fclose>>;
-using HeldBytes = std::unique_ptr<BIO, OpenSslFreed<BIO_free>>;
+using HeldList = std::unique_ptr<X509_CRL, Freed<X509_CRL_free>>;
+using HeldCertificate = std::unique_ptr<X509, Freed<X509_free>>;
+using HeldKey = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
+using HeldFile = std::unique_ptr<std::FILE, Freed<std::fclose>>;
+using HeldBytes = std::unique_ptr<BIO, Freed<BIO_free>>;
 
 // A serial number counts within its issuer.
 std::string place_of(const X509_NAME* issuer, const ASN1_INTEGER* serial) {

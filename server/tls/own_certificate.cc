@@ -8,19 +8,13 @@
 #include <ctime>
 #include <memory>
 
+#include "server/core/freed.h"
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 
 namespace driftwise::tls {
 namespace {
 
-template <auto Free>
-struct Freed {
-  template <class T>
-  void operator()(T* held) const {
-    Free(held);
-  }
-};
 using Text = std::unique_ptr<BIO, Freed<BIO_free_all>>;
 using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
 using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;

@@ -6,6 +6,8 @@
 
 #include <memory>
 
+#include "server/core/freed.h"
+
 namespace driftwise::tls {
 namespace {
 
@@ -24,10 +26,8 @@ std::string common_name(X509* certificate) {
 
 std::vector<std::string> uris_of(X509* certificate) {
   std::vector<std::string> out;
-  const std::unique_ptr<GENERAL_NAMES, void (*)(GENERAL_NAMES*)> names(
-      static_cast<GENERAL_NAMES*>(
-          X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)),
-      GENERAL_NAMES_free);
+  const std::unique_ptr<GENERAL_NAMES, Freed<GENERAL_NAMES_free>> names(static_cast<GENERAL_NAMES*>(
+      X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr)));
   for (int i = 0; names && i < sk_GENERAL_NAME_num(names.get()); ++i) {
     const GENERAL_NAME* one = sk_GENERAL_NAME_value(names.get(), i);
     if (one->type != GEN_URI) continue;
@@ -39,7 +39,7 @@ std::vector<std::string> uris_of(X509* certificate) {
 }
 
 std::string pem_of(X509* certificate) {
-  const std::unique_ptr<BIO, int (*)(BIO*)> bytes(BIO_new(BIO_s_mem()), BIO_free);
+  const std::unique_ptr<BIO, Freed<BIO_free>> bytes(BIO_new(BIO_s_mem()));
   if (!bytes || PEM_write_bio_X509(bytes.get(), certificate) != 1) return {};
   char* data = nullptr;
   const long size = BIO_get_mem_data(bytes.get(), &data);
@@ -49,8 +49,7 @@ std::string pem_of(X509* certificate) {
 }  // namespace
 
 std::optional<PeerCertificate> peer_certificate(SSL* connection) {
-  const std::unique_ptr<X509, void (*)(X509*)> certificate(SSL_get1_peer_certificate(connection),
-                                                           X509_free);
+  const std::unique_ptr<X509, Freed<X509_free>> certificate(SSL_get1_peer_certificate(connection));
   if (!certificate || SSL_get_verify_result(connection) != X509_V_OK) return std::nullopt;
   return PeerCertificate{common_name(certificate.get()), uris_of(certificate.get()),
                          pem_of(certificate.get())};
