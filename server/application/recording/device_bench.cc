@@ -46,43 +46,12 @@ DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts
 }
 
 void DeviceBench::use(const SetupDescription* setup) {
-  setup_ = setup;
+  setup_.use(setup);
   for (auto& numbers : by_role_) numbers.clear();
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const auto& device = description(i);
-    if (!is_left_out(device)) by_role_[static_cast<std::size_t>(device.role())].push_back(i);
+    if (!setup_.leaves_out(device)) by_role_[static_cast<std::size_t>(device.role())].push_back(i);
   }
-}
-
-bool DeviceBench::is_left_out(const DeviceDescription& device) const {
-  return setup_ && measures_pose(device.role()) &&
-         std::ranges::find(setup_->coordinates, device.id, &SetupCoordinate::device) ==
-             setup_->coordinates.end() &&
-         std::ranges::find(setup_->confirmations, device.id, &SetupConfirmation::device) ==
-             setup_->confirmations.end();
-}
-
-Reading DeviceBench::under_confirming_names(Reading reading) const {
-  if (!setup_) return reading;
-  for (const auto& one : setup_->confirmations)
-    for (auto& value : reading.values)
-      if (one.device == reading.device && value.channel == one.channel.name())
-        value.channel = one.confirmed().name();
-  return reading;
-}
-
-bool DeviceBench::may_be_lost(std::size_t device) const {
-  if (!setup_) return false;
-  const auto& id = description(device).id;
-  const auto is_confirmed_here = [&](const SetupCoordinate& coordinate) {
-    return std::ranges::any_of(setup_->confirmations, [&](const SetupConfirmation& one) {
-      return one.device == id && one.channel == coordinate.channel;
-    });
-  };
-  return std::ranges::all_of(setup_->coordinates, [&](const SetupCoordinate& coordinate) {
-    return coordinate.may_be_missing() ||
-           (coordinate.device != id && !is_confirmed_here(coordinate));
-  });
 }
 
 DeviceBench::~DeviceBench() = default;
@@ -138,7 +107,7 @@ Awaitable<Result<JudgedReading>> DeviceBench::read(std::size_t device) {
 Awaitable<Result<JudgedReading>> DeviceBench::read_instrument(Slot& slot, Instrument& instrument) {
   DRIFTWISE_CO_TRY(auto reading,
                    co_await ask(slot, instrument, [](Instrument& d) { return d.read(); }));
-  co_return doubts_.judge(under_confirming_names(std::move(reading)));
+  co_return doubts_.judge(setup_.under_confirming_names(std::move(reading)));
 }
 
 Awaitable<Result<JudgedReading>> DeviceBench::read_stabiliser(Slot& slot, Stabiliser& stabiliser) {
@@ -185,7 +154,7 @@ Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments
     auto& answer = *answers[i];
     const bool is_out_of_sight = !answer && (answer.error().reason == reasons::kBeamLost ||
                                              answer.error().reason == reasons::kNoSpot);
-    if (is_out_of_sight && !at_zero && may_be_lost(asked[i])) continue;
+    if (is_out_of_sight && !at_zero && setup_.may_lose(description(asked[i]).id)) continue;
     DRIFTWISE_CO_RETURN_IF_ERROR(answer);
     readings.push_back(std::move(*answer));
   }
@@ -496,8 +465,8 @@ Awaitable<Result<void>> DeviceBench::prepare(std::size_t device) {
 std::vector<DeviceStatus> DeviceBench::status() const {
   std::vector<DeviceStatus> all;
   for (const auto& slot : slots_) {
-    all.push_back(
-        {slot->description(), slot->made.device().health(), is_left_out(slot->description())});
+    all.push_back({slot->description(), slot->made.device().health(),
+                   setup_.leaves_out(slot->description())});
     // Between two attempts a link connects, and one with garbled answers stands: until it answers,
     // a lost device is a failed one wherever it is shown.
     if (slot->lost) all.back().health.link = LinkState::failed;

@@ -18,6 +18,7 @@
 #include "server/application/recording/device_status.h"
 #include "server/application/recording/devices.h"
 #include "server/application/recording/motion_watch.h"
+#include "server/application/recording/setup_in_use.h"
 #include "server/core/data/judged_reading.h"
 #include "server/core/devices/loop_tuning.h"
 #include "server/core/ports/async_mutex.h"
@@ -47,9 +48,9 @@ class DeviceBench {
   // Instruments that measure the pose and are not named by the set-up are neither read nor prepared
   // for a run from now on; nullptr: all are. setup: outlives its use.
   void use(const SetupDescription* setup);
-  const SetupDescription* setup() const { return setup_; }
+  const SetupDescription* setup() const { return setup_.get(); }
   // Every coordinate that the set-up in use takes from this device may be out of range.
-  bool may_be_lost(std::size_t device) const;
+  bool may_be_lost(std::size_t device) const { return setup_.may_lose(description(device).id); }
 
   // What the device says now: an instrument's reading, the axes' readback, the load's force.
   // Errors besides the devices': those of judging a motion state, below. A reading says itself what
@@ -129,9 +130,6 @@ class DeviceBench {
   template <class R>
   void note(Slot& slot, const R& result);
 
-  bool is_left_out(const DeviceDescription& device) const;
-  // What a second instrument confirms has a name of its own in everything that comes after it.
-  Reading under_confirming_names(Reading reading) const;
   void tell_followers(const DeviceDescription& controller, const std::vector<double>& q_mm);
   std::vector<Slot*> controllers();
   Awaitable<Result<MotionState>> motion_state(Slot& slot);
@@ -157,7 +155,7 @@ class DeviceBench {
   std::function<Awaitable<bool>(std::vector<double>)> instruments_say_;
   std::function<void(const std::string&)> on_uncommanded_;
   std::vector<std::unique_ptr<Slot>> slots_;
-  const SetupDescription* setup_ = nullptr;
+  SetupInUse setup_;
   std::array<std::vector<std::size_t>, static_cast<std::size_t>(DeviceRole::supply) + 1> by_role_;
 };
 

@@ -25,17 +25,6 @@
 
 namespace driftwise::application {
 
-namespace {
-
-Outlook spent_since(Outlook outlook, double since_s) {
-  for (double& s : outlook.draws_s) s = std::max(0.0, s - since_s);
-  for (double* s : {&outlook.expected_s, &outlook.low_s, &outlook.high_s})
-    *s = std::max(0.0, *s - since_s);
-  return outlook;
-}
-
-}  // namespace
-
 RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks,
                      TaskGroup& tasks)
     : executor_(executor), bench_(bench), hooks_(std::move(hooks)), tasks_(tasks) {}
@@ -53,7 +42,7 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
   had_datum_ = before_ && !before_->data.empty();
   stands_ = computer_was_away_ = false;
   announcement_.clear();
-  outlook_ = {};
+  outlook_.begin_anew();
   begins_by_itself_ = std::move(announce);
   counted_accepted_ = run.record.accepted;
   counted_given_up_ = run.record.given_up;
@@ -241,52 +230,6 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
       if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
   }
   co_return co_await mark_doubted(run);
-}
-
-// After a restart, or a controller that lost its reference: who says that the robot may move.
-// Nothing has moved yet.
-Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
-  if (!begins_by_itself_.empty()) {
-    const auto why = std::exchange(begins_by_itself_, {});
-    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
-  }
-  if (may_start_) co_return Result<void>{};
-  DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
-  const bool reference_lost = had_datum_ && !state.referenced;
-  const bool power_loss = computer_was_away_ || reference_lost;
-  const auto& rules = bench_.description.restart;
-  std::string why = "the daemon was away while the run was under way";
-  if (computer_was_away_)
-    why = "the computer was started anew while the run was under way";
-  else if (reference_lost)
-    why = fmt::format("the controller has lost its reference while the {}",
-                      before_ ? "daemon was away" : "run was under way");
-  const auto wish = power_loss ? rules.after_power_loss : rules.after_restart;
-  if (wish == AfterAway::wait) {
-    run.control.hold({RunHold::Kind::restart, "", bench_.clock.now().utc,
-                      fmt::format("{}: look at the machine, then resume it ([run] {} = \"wait\")",
-                                  why, power_loss ? "after_power_loss" : "after_restart")});
-    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
-  } else if (power_loss) {
-    why += ", and the cell file says to go on ([run] after_power_loss = \"go-on\")";
-    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
-  }
-  may_start_ = true;
-  co_return Result<void>{};
-}
-
-// The robot is about to move without anybody having asked for it now: a minute for a person to stop
-// it.
-Awaitable<Result<void>> RunEngine::announce_motion(ActiveRun& run, const std::string& why) {
-  constexpr double kWarning_s = 60;
-  const auto begins = bench_.clock.now().utc + nanoseconds_from_s(kWarning_s);
-  announcement_ = fmt::format("run {} moves the robot at {}: {}; a stop keeps it from moving",
-                              run.record.id.value, to_iso8601(bench_.clock.utc(begins)), why);
-  bench_.events.record_own("run.moves_soon", announcement_, run.record.id);
-  run.scope.phase("about to move");
-  const auto waited = co_await run.scope.sleep_until(begins);
-  announcement_.clear();
-  co_return waited;
 }
 
 // Everything that hangs on the end-effector is taken off, and the axes return to zero.
@@ -530,54 +473,8 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   publish();
 }
 
-// Worked out when a row was decided, or when what is under way takes longer than a visit; between
-// them the time that was spent is taken off.
-Outlook RunEngine::outlook_of(const ActiveRun& run, CellTime now) {
-  const double spent_s = run.meter.spent_s(now), unit_s = run.meter.unit_s();
-  const auto steps = run.meter.steps().took.size(), requeued = run.record.place.requeued.size();
-  const double since_s = done_since_outlook(run, now);
-  // The draws cost more than the step's own work: anew after a twentieth of the steps so far, and
-  // as soon as those since have taken a visit longer than planned.
-  double longer = 0;
-  for (std::size_t i = outlook_steps_; i < steps; ++i)
-    longer += run.meter.steps().took[i] - run.meter.steps().visits[i];
-  const bool same = !outlook_.draws_s.empty() && steps >= outlook_steps_ &&
-                    steps <= outlook_steps_ + steps / 20 && longer < 1 &&
-                    outlook_requeued_ == requeued && since_s >= 0 &&
-                    spent_s < (steps == outlook_steps_ ? outlook_spent_s_ : 0) + unit_s;
-  if (!same) {
-    RunAhead ahead;
-    ahead.plan = run.length.ahead(run.record.place);
-    ahead.unit_s = unit_s;
-    ahead.leads = run.meter.leads();
-    ahead.spent_s = spent_s;
-    ahead.so_far = &run.meter.steps();
-    outlook_ = hooks_.look_ahead(ahead);
-    outlook_spent_s_ = spent_s;
-    outlook_steps_ = steps;
-    outlook_requeued_ = requeued;
-  }
-  auto outlook = spent_since(outlook_, done_since_outlook(run, now));
-  outlook.draws_s.clear();
-  return outlook;
-}
-
 std::optional<Outlook> RunEngine::outlook(CellTime now) const {
-  if (!run_ || outlook_.draws_s.empty()) return std::nullopt;
-  return spent_since(outlook_, std::max(0.0, done_since_outlook(*run_, now)));
-}
-
-// Of what the outlook had ahead: the steps since at what was planned for them, and the one under
-// way. A wait is no progress.
-double RunEngine::done_since_outlook(const ActiveRun& run, CellTime now) const {
-  const auto& steps = run.meter.steps();
-  const double unit_s = run.meter.unit_s();
-  double visits = 0;
-  for (std::size_t i = outlook_steps_; i < steps.took.size(); ++i)
-    visits += std::min(steps.took[i], steps.visits[i]);
-  const double of_this_s =
-      run.meter.spent_s(now) - (steps.took.size() == outlook_steps_ ? outlook_spent_s_ : 0);
-  return visits * unit_s + std::min(of_this_s, unit_s);
+  return run_ ? outlook_.kept(*run_, now) : std::nullopt;
 }
 
 void RunEngine::publish() {
@@ -586,7 +483,7 @@ void RunEngine::publish() {
   run.progress.sequence = ++sequence_;
   const bool over = is_over(run.record.state);
   const auto now = bench_.clock.now().utc;
-  run.progress.outlook = over ? Outlook{} : outlook_of(run, now);
+  run.progress.outlook = over ? Outlook{} : outlook_.of(run, now, hooks_.look_ahead);
   run.progress.remaining_s = run.progress.outlook.expected_s;
   run.progress.estimated_end =
       over ? run.record.ended : now + nanoseconds_from_s(run.progress.remaining_s);

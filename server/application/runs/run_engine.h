@@ -13,6 +13,7 @@
 #include "server/application/runs/active_run.h"
 #include "server/application/runs/hold_mark.h"
 #include "server/application/runs/point_visit.h"
+#include "server/application/runs/run_outlook.h"
 #include "server/application/runs/trouble.h"
 #include "server/application/serving/model_pose.h"
 
@@ -84,8 +85,6 @@ class RunEngine {
   Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
   Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy, bool asked_for);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
-  Awaitable<Result<void>> clear_to_move(ActiveRun& run);
-  Awaitable<Result<void>> announce_motion(ActiveRun& run, const std::string& why);
   Awaitable<Result<void>> park(ActiveRun& run);
   void hold_if_too_many_were_given_up(ActiveRun& run);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
@@ -97,6 +96,9 @@ class RunEngine {
   Awaitable<Result<void>> store_lag(ActiveRun& run);
   Awaitable<void> finish(ActiveRun& run, const Result<void>& outcome);
   Awaitable<Result<void>> take_up(ActiveRun& run);
+  // clearance.cc
+  Awaitable<Result<void>> clear_to_move(ActiveRun& run);
+  Awaitable<Result<void>> announce_motion(ActiveRun& run, const std::string& why);
   // closing.cc
   Awaitable<Result<void>> note_closure(ActiveRun& run, std::vector<ChannelValue> values,
                                        Stamp measured, std::int64_t line);
@@ -108,9 +110,8 @@ class RunEngine {
   plausibility::Closure zero_of_datum(const ActiveRun& run) const;
   plausibility::Closure closure_of(const ActiveRun& run, const std::vector<ChannelValue>& values,
                                    CellTime measured) const;
+
   void publish();
-  Outlook outlook_of(const ActiveRun& run, CellTime now);
-  double done_since_outlook(const ActiveRun& run, CellTime now) const;  // cell seconds
   void use_setup(const ActiveRun& run);
 
   asio::any_io_executor executor_;
@@ -130,9 +131,7 @@ class RunEngine {
   std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause
   std::int64_t sequence_ = 0;
   bool publishing_ = false;
-  Outlook outlook_;  // as of the last decision of a row
-  double outlook_spent_s_ = 0;
-  std::size_t outlook_steps_ = 0, outlook_requeued_ = 0;
+  RunOutlook outlook_;
   WatchList<RunProgress> watchers_;
 };
 

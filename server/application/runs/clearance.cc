@@ -1,0 +1,58 @@
+// The engine's question who says that the robot may move: after a restart, a power loss, and before
+// a run that begins by itself.
+
+#include <fmt/format.h>
+
+#include "server/application/ports/run_hold.h"
+#include "server/application/runs/run_engine.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+
+// After a restart, or a controller that lost its reference: who says that the robot may move.
+// Nothing has moved yet.
+Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
+  if (!begins_by_itself_.empty()) {
+    const auto why = std::exchange(begins_by_itself_, {});
+    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+  }
+  if (may_start_) co_return Result<void>{};
+  DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
+  const bool reference_lost = had_datum_ && !state.referenced;
+  const bool power_loss = computer_was_away_ || reference_lost;
+  const auto& rules = bench_.description.restart;
+  std::string why = "the daemon was away while the run was under way";
+  if (computer_was_away_)
+    why = "the computer was started anew while the run was under way";
+  else if (reference_lost)
+    why = fmt::format("the controller has lost its reference while the {}",
+                      before_ ? "daemon was away" : "run was under way");
+  const auto wish = power_loss ? rules.after_power_loss : rules.after_restart;
+  if (wish == AfterAway::wait) {
+    run.control.hold({RunHold::Kind::restart, "", bench_.clock.now().utc,
+                      fmt::format("{}: look at the machine, then resume it ([run] {} = \"wait\")",
+                                  why, power_loss ? "after_power_loss" : "after_restart")});
+    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  } else if (power_loss) {
+    why += ", and the cell file says to go on ([run] after_power_loss = \"go-on\")";
+    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+  }
+  may_start_ = true;
+  co_return Result<void>{};
+}
+
+// The robot is about to move without anybody having asked for it now: a minute for a person to stop
+// it.
+Awaitable<Result<void>> RunEngine::announce_motion(ActiveRun& run, const std::string& why) {
+  constexpr double kWarning_s = 60;
+  const auto begins = bench_.clock.now().utc + nanoseconds_from_s(kWarning_s);
+  announcement_ = fmt::format("run {} moves the robot at {}: {}; a stop keeps it from moving",
+                              run.record.id.value, to_iso8601(bench_.clock.utc(begins)), why);
+  bench_.events.record_own("run.moves_soon", announcement_, run.record.id);
+  run.scope.phase("about to move");
+  const auto waited = co_await run.scope.sleep_until(begins);
+  announcement_.clear();
+  co_return waited;
+}
+
+}  // namespace driftwise::application
