@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "server/application/provenance/promotion_questions.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -42,27 +41,11 @@ void JointServing::shut_down() {
   ended_.raise();
 }
 
-Awaitable<JointServing::Origin> JointServing::origin_of(const calibration::Model& model) const {
-  Origin origin{{}, symbols_used(model), false};
-  const auto runs = model.lineage.runs;
-  if (runs.empty()) co_return origin;
-  const auto data = co_await reader_.points().data(runs.front());
-  if (data && !data->empty()) origin.own_datum = data->front().id;
-  origin.under_present = co_await reader_.call(
-      [](Store& store, const std::vector<RunId>& fitted_from, const std::string& present) {
-        return std::ranges::all_of(fitted_from, [&](RunId run) {
-          const auto used = store.configurations().of_run(run);
-          return used && !used->empty() && used->back().hash == present;
-        });
-      },
-      runs, description_.hash);
-  co_return origin;
-}
-
 Awaitable<Result<void>> JointServing::serve(PlanId id, plans::ServingPlan plan,
                                             plans::ModelsById models) {
-  std::map<ModelId, Origin> origins;
-  for (const auto& [model, content] : models) origins[model] = co_await origin_of(content);
+  std::map<ModelId, ModelOrigin> origins;
+  for (const auto& [model, content] : models)
+    origins[model] = co_await origin_of(content, reader_, description_.hash);
   DRIFTWISE_CO_TRY(auto builder,
                    plans::JointBuilder::create(std::move(plan), id, models, description_));
   const auto now = clock_.now().utc;

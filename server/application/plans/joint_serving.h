@@ -14,6 +14,7 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/provenance/configuration_book.h"
+#include "server/application/provenance/model_origin.h"
 #include "server/application/recording/recorder.h"
 #include "server/application/serving/serving.h"
 #include "server/plans/joint_builder.h"
@@ -47,18 +48,12 @@ class JointServing final : public JointTargets {
   std::string trouble() const;  // a sentence for people; empty: none
 
  private:
-  struct Origin {  // of one model
-    std::optional<DatumId> own_datum;
-    std::vector<std::string> symbols;
-    bool under_present = false;
-  };
   struct Followed {
     PlanId id;
     plans::JointBuilder builder;
-    std::map<ModelId, Origin> origins;
+    std::map<ModelId, ModelOrigin> origins;
     std::string trouble;
   };
-  Awaitable<Origin> origin_of(const calibration::Model& model) const;
   void anchor();
   void observe(const Reading& reading);
   void on_serving();

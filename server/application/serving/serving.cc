@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "server/application/plumbing/task_group.h"
-#include "server/application/provenance/promotion_questions.h"
 #include "server/application/serving/past_targets.h"
 #include "server/compensation/target.h"
 #include "server/core/reasons.h"
@@ -46,23 +45,10 @@ void Serving::shut_down() {
 
 Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
   DRIFTWISE_CO_TRY(auto model, formats::read_model_json(record.json));
-  const auto runs = model.lineage.runs;
-  auto symbols = symbols_used(model);
+  auto origin = co_await origin_of(model, reader_, description_.hash);
   DRIFTWISE_CO_TRY(auto builder, compensation::SnapshotBuilder::create(std::move(model), record.id,
                                                                        description_));
-  Followed followed{std::move(builder), std::nullopt, std::move(symbols), false};
-  if (!runs.empty()) {
-    const auto data = co_await reader_.points().data(runs.front());
-    if (data && !data->empty()) followed.own_datum = data->front().id;
-    followed.under_present = co_await reader_.call(
-        [](Store& store, const std::vector<RunId>& fitted_from, const std::string& present) {
-          return std::ranges::all_of(fitted_from, [&](RunId run) {
-            const auto used = store.configurations().of_run(run);
-            return used && !used->empty() && used->back().hash == present;
-          });
-        },
-        runs, description_.hash);
-  }
+  Followed followed{std::move(builder), std::move(origin)};
   const auto now = clock_.now().utc;
   const auto stored = co_await reader_.readings().readings("", now - kMemory, now, kMemoryReadings);
   if (stored)
@@ -125,7 +111,7 @@ std::string Serving::trouble() const {
 void Serving::set_anchor(ModelId id, Followed& followed) {
   followed.trouble.clear();
   if (!datum_) return;
-  if (followed.own_datum == datum_->id) {
+  if (followed.origin.own_datum == datum_->id) {
     followed.builder.keep_model_datum();
     return;
   }
@@ -152,7 +138,8 @@ compensation::Snapshot Serving::snapshot_of(const Followed& followed, CellTime n
   snapshot.doubtful = is_doubtful(snapshot.model);
   if (!configuration_.asks()) return snapshot;
   snapshot.configuration_changed = true;
-  if (!followed.under_present) snapshot.changed_parts = configuration_.changes_of(followed.symbols);
+  if (!followed.origin.under_present)
+    snapshot.changed_parts = configuration_.changes_of(followed.origin.symbols);
   return snapshot;
 }
 
@@ -180,7 +167,7 @@ Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {
                    "no model serves: promote one");
   const Followed& followed = followed_.at(*serving_);
   PastModel from{followed.builder.model(), *serving_, datum_,
-                 datum_ && followed.own_datum == datum_->id};
+                 datum_ && followed.origin.own_datum == datum_->id};
   co_return co_await reader_.call(
       [cell = &description_, now = clock_.now().utc](Store& store, PastModel& model,
                                                      const PastTargetsQuery& asked) {

@@ -11,6 +11,7 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/provenance/configuration_book.h"
+#include "server/application/provenance/model_origin.h"
 #include "server/application/recording/recorder.h"
 #include "server/application/serving/targets.h"
 #include "server/compensation/snapshot_board.h"
@@ -68,11 +69,7 @@ class Serving final : public Targets {
  private:
   struct Followed {
     compensation::SnapshotBuilder builder;
-    std::optional<DatumId>
-        own_datum;  // the first of the runs it was fitted from: its constant belongs there
-    std::vector<std::string> symbols;  // that its outputs and terms read
-    // All of its runs were measured under the present cell file, to their end.
-    bool under_present = false;
+    ModelOrigin origin;
     std::string trouble = {};  // why the present datum does not anchor it
   };
   // The followed model's, with what an open question of the cell file does to it.

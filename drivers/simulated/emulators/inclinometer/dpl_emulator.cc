@@ -53,7 +53,7 @@ DplEmulator::DplEmulator(PlantAngles& plant, const Switches& s, int index)
 }
 
 void DplEmulator::open(Session session, Link link, TimeNs now) {
-  clients_.insert_or_assign(session, Client{link, 0});
+  clients_.insert_or_assign(session, TimedLine(link));
   stream_later(now);
 }
 
@@ -99,13 +99,8 @@ void DplEmulator::stream_later(TimeNs now) {
   });
 }
 
-// Answers to one client leave in their order, as on one wire.
 void DplEmulator::reply(Session session, const std::string& text, TimeNs now) {
-  Client& client = clients_.at(session);
-  const bool takes_time = client.link == Link::serial && baud_ > 0;
-  const double wire_s = takes_time ? 10.0 * static_cast<double>(text.size()) / baud_ : 0.0;
-  const TimeNs due = std::max(now + latency_, client.free_at) + nanoseconds_from(wire_s);
-  client.free_at = due;
+  const TimeNs due = clients_.at(session).carry(text.size(), baud_, now + latency_);
   timeline_.at(due, [this, session, text](TimeNs at) {
     if (clients_.contains(session)) send(session, text, at);
   });

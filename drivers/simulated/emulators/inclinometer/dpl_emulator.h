@@ -10,6 +10,7 @@
 
 #include "drivers/simulated/emulators/emulator.h"
 #include "drivers/simulated/emulators/switches.h"
+#include "drivers/simulated/emulators/timed_line.h"
 #include "drivers/simulated/plant/plant.h"
 
 namespace driftwise::simulated {
@@ -25,10 +26,6 @@ class DplEmulator : public Emulator {
   void receive(Session session, std::string_view bytes, TimeNs now) override;
 
  private:
-  struct Client {
-    Link link = Link::tcp;
-    TimeNs free_at = 0;  // when the line has carried what was said before
-  };
   void command(Session session, char byte, TimeNs now);
   std::string pair(TimeNs now);
   void stream_later(TimeNs now);
@@ -40,7 +37,7 @@ class DplEmulator : public Emulator {
   double range_deg_, baud_;
   TimeNs latency_, period_;
   bool streams_;
-  std::map<Session, Client> clients_;
+  std::map<Session, TimedLine> clients_;
   std::optional<Timeline::EventId> next_pair_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/emulators/text.h"
+#include "drivers/simulated/emulators/timed_line.h"
 
 namespace driftwise::simulated {
 namespace {
@@ -205,17 +206,16 @@ void KeithleyEmulator::finish_job(TimeNs now) {
       text += (i == 0 ? "" : ";") + done.replies[i];
     const bool serial = client->second.link == Link::serial;
     text += serial ? reply_terminator_ : "\n";
-    const double wire_s =
-        serial && baud_ > 0 ? 10.0 * static_cast<double>(text.size()) / baud_ : 0.0;
+    const TimeNs out = TimedLine(client->second.link).carry(text.size(), baud_, now + latency_);
     job_ = Job{
         .session = done.session, .units = {}, .path = {}, .replies = {}};  // busy until it is out
-    job_event_ = timeline_.at(now + latency_ + nanoseconds_from(wire_s),
-                              [this, session = done.session, bytes = std::move(text)](TimeNs due) {
-                                job_event_.reset();
-                                job_.reset();
-                                if (clients_.contains(session)) send(session, bytes, due);
-                                start_next(due);
-                              });
+    job_event_ =
+        timeline_.at(out, [this, session = done.session, bytes = std::move(text)](TimeNs due) {
+          job_event_.reset();
+          job_.reset();
+          if (clients_.contains(session)) send(session, bytes, due);
+          start_next(due);
+        });
     return;
   }
   start_next(now);

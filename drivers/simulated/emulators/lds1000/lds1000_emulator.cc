@@ -89,7 +89,7 @@ Lds1000Emulator::Lds1000Emulator(PlantAngles& plant, const Switches& s, int inde
 }
 
 void Lds1000Emulator::open(Session session, Link link, TimeNs) {
-  clients_.insert_or_assign(session, Client{link, LineBuffer('\r', kInputBuffer), 0});
+  clients_.insert_or_assign(session, Client{TimedLine(link), LineBuffer('\r', kInputBuffer)});
 }
 
 void Lds1000Emulator::close(Session session, TimeNs) { clients_.erase(session); }
@@ -252,15 +252,9 @@ char Lds1000Emulator::status(TimeNs now) {
   return static_cast<char>(bits);
 }
 
-// What one client asked for leaves in the order of asking, as on one wire.
 void Lds1000Emulator::reply(Session session, std::string text, TimeNs now) {
-  Client& client = clients_.at(session);
   text += terminator_;
-  const double wire_s = client.link == Link::serial && baud_ > 0
-                            ? 10.0 * static_cast<double>(text.size()) / baud_
-                            : 0.0;
-  const TimeNs due = std::max(now + latency_, client.free_at) + nanoseconds_from(wire_s);
-  client.free_at = due;
+  const TimeNs due = clients_.at(session).line.carry(text.size(), baud_, now + latency_);
   timeline_.at(due, [this, session, bytes = std::move(text)](TimeNs at) {
     if (clients_.contains(session)) send(session, bytes, at);
   });

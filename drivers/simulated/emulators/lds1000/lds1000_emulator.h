@@ -22,6 +22,7 @@
 #include "drivers/simulated/emulators/emulator.h"
 #include "drivers/simulated/emulators/line_buffer.h"
 #include "drivers/simulated/emulators/switches.h"
+#include "drivers/simulated/emulators/timed_line.h"
 
 namespace driftwise::simulated {
 
@@ -37,9 +38,8 @@ class Lds1000Emulator : public Emulator {
 
  private:
   struct Client {
-    Link link = Link::tcp;
+    TimedLine line;
     LineBuffer input;
-    TimeNs free_at = 0;  // when the line has carried what was said before
   };
   struct Command {
     std::string prefix, name, value;

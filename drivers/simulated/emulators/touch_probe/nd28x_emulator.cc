@@ -51,7 +51,7 @@ Nd28xEmulator::Nd28xEmulator(PlantLengths& plant, const Switches& s, int index)
 }
 
 void Nd28xEmulator::open(Session session, Link link, TimeNs) {
-  clients_.insert_or_assign(session, Client{link, 0, {}});
+  clients_.insert_or_assign(session, Client{TimedLine(link), {}});
 }
 
 void Nd28xEmulator::close(Session session, TimeNs) { clients_.erase(session); }
@@ -101,13 +101,8 @@ std::string Nd28xEmulator::value_line(double mm) const {
   return (std::signbit(mm) ? "-" : "+") + std::string(digits) + (inches_ ? "\"" : " ") + "\r\n";
 }
 
-// Answers to one client leave in their order, as on one wire.
 void Nd28xEmulator::reply(Session session, const std::string& text, TimeNs now) {
-  Client& client = clients_.at(session);
-  const bool takes_time = client.link == Link::serial && baud_ > 0;
-  const double wire_s = takes_time ? 10.0 * static_cast<double>(text.size()) / baud_ : 0.0;
-  const TimeNs due = std::max(now + latency_, client.free_at) + nanoseconds_from(wire_s);
-  client.free_at = due;
+  const TimeNs due = clients_.at(session).line.carry(text.size(), baud_, now + latency_);
   timeline_.at(due, [this, session, text](TimeNs at) {
     if (clients_.contains(session)) send(session, text, at);
   });

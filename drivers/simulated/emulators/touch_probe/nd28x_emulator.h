@@ -10,6 +10,7 @@
 
 #include "drivers/simulated/emulators/emulator.h"
 #include "drivers/simulated/emulators/switches.h"
+#include "drivers/simulated/emulators/timed_line.h"
 #include "drivers/simulated/plant/plant.h"
 
 namespace driftwise::simulated {
@@ -26,8 +27,7 @@ class Nd28xEmulator : public Emulator {
 
  private:
   struct Client {
-    Link link = Link::tcp;
-    TimeNs free_at = 0;   // when the line has carried what was said before
+    TimedLine line;
     std::string command;  // begun with ESC, not yet ended
   };
   void command(Session session, const std::string& text, TimeNs now);

@@ -182,6 +182,25 @@ double CellPlant::hidden_beam_nm(int beam, const Frame& frame, double time_s,
   return sum_nm;
 }
 
+std::vector<std::string> CellPlant::pose_columns(std::initializer_list<const char*> own) const {
+  std::vector<std::string> columns{"q1_commanded_nm",
+                                   "q2_commanded_nm",
+                                   "q3_commanded_nm",
+                                   "q1_scale_nm",
+                                   "q2_scale_nm",
+                                   "q3_scale_nm",
+                                   "x_nm",
+                                   "y_nm",
+                                   "z_nm",
+                                   "rx_arcsec",
+                                   "ry_arcsec",
+                                   "rz_arcsec"};
+  columns.insert(columns.end(), own.begin(), own.end());
+  for (const auto& name : node_names()) columns.push_back(name + "_degC");
+  add_hidden_columns(columns);
+  return columns;
+}
+
 void CellPlant::add_hidden_columns(std::vector<std::string>& columns) const {
   for (const auto& one : world_.hidden()) columns.push_back("hidden_" + one.name + "_nm");
 }

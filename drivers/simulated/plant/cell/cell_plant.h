@@ -12,6 +12,7 @@
 // Looking back: up to 200 s before the latest instant; earlier instants get the oldest known state.
 // One thread.
 
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -113,6 +114,8 @@ class CellPlant : public Plant {
   // What [hidden] adds: of the stage against its scale, of a beam whose mirror is at true_nm.
   double hidden_stage_nm(int axis, const Frame& frame, HiddenContext at) const;
   double hidden_beam_nm(int beam, const Frame& frame, double time_s, double true_nm) const;
+  // Of a robot with three axes and six coordinates: those, its own, parts, and what [hidden] adds.
+  std::vector<std::string> pose_columns(std::initializer_list<const char*> own) const;
   // Columns and values that [hidden] adds to the truth: "hidden_<name>_nm" (docs/plants/hidden.md).
   void add_hidden_columns(std::vector<std::string>& columns) const;
   void add_hidden_values(const Frame& frame, double time_s, std::vector<double>& values) const;

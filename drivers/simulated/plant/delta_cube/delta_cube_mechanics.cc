@@ -24,12 +24,7 @@ Carriage made_axis(const DeltaCubeParameters& p, std::size_t i, Random& random) 
   // Parallel hinge axes leave no turn; skewed ones turn the stage about the two other directions.
   const Vec3 skew = gaussian_vector(random, t.skew_mrad * 1e-3);
   c.skew = skew.y * c.tangent + skew.z * c.outward;
-  for (auto& leg : c.leg_mm) leg = d.leg_mm + t.leg_mm * random.gaussian();
-  for (std::size_t side = 0; side < 2; ++side) {
-    const double along_mm = (side == 0 ? -0.5 : 0.5) * d.pair_spacing_mm;
-    c.joint_mm[side] = along_mm * c.tangent + gaussian_vector(random, t.joint_mm);
-  }
-  c.scale_ppm = t.scale_ppm * random.gaussian();
+  make_stage(c, d, t, random);
   return c;
 }
 
@@ -37,17 +32,10 @@ Carriage made_axis(const DeltaCubeParameters& p, std::size_t i, Random& random) 
 
 Machine made_delta_cube(const DeltaCubeParameters& p, std::uint64_t seed) {
   Machine machine;
-  const auto& d = p.delta;
   Random robot(seed, "machine.robot"), optics(seed, "machine.optics");
   for (std::size_t i = 0; i < kArms; ++i) {
-    auto& c = machine.carriages[i] = made_axis(p, i, robot);
-    for (std::size_t side = 0; side < 2; ++side) {
-      const double along_mm = (side == 0 ? -0.5 : 0.5) * d.pair_spacing_mm;
-      machine.platform_joint_mm[2 * i + side] = d.platform_radius_mm * c.outward +
-                                                along_mm * c.tangent +
-                                                gaussian_vector(robot, p.tolerance.joint_mm);
-      machine.bar_mm[2 * i + side] = d.arm_mm + p.tolerance.bar_mm * robot.gaussian();
-    }
+    machine.carriages[i] = made_axis(p, i, robot);
+    make_arm(machine, i, p.delta, p.tolerance, robot);
   }
   make_optics(machine, kSeenFaces, p.cube, p.optics, p.collimator, optics);
   return machine;

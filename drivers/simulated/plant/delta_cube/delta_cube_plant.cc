@@ -139,23 +139,7 @@ DeltaCubePlant::Pose DeltaCubePlant::pose(double time_s) const {
 }
 
 std::vector<std::string> DeltaCubePlant::truth_columns() const {
-  std::vector<std::string> columns{"q1_commanded_nm",
-                                   "q2_commanded_nm",
-                                   "q3_commanded_nm",
-                                   "q1_scale_nm",
-                                   "q2_scale_nm",
-                                   "q3_scale_nm",
-                                   "x_nm",
-                                   "y_nm",
-                                   "z_nm",
-                                   "rx_arcsec",
-                                   "ry_arcsec",
-                                   "rz_arcsec",
-                                   "room_degC",
-                                   "pressure_hPa"};
-  for (const auto& name : node_names()) columns.push_back(name + "_degC");
-  add_hidden_columns(columns);
-  return columns;
+  return pose_columns({"room_degC", "pressure_hPa"});
 }
 
 std::vector<double> DeltaCubePlant::truth_values(TimeNs at) {

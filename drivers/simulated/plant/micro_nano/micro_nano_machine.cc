@@ -14,6 +14,36 @@ Vec3 gaussian_vector(Random& random, double sigma) {
 
 namespace {
 
+// Distance of one of the two bars of an arm from its middle.
+double along_mm(std::size_t side, const DeltaParameters& delta) {
+  return (side == 0 ? -0.5 : 0.5) * delta.pair_spacing_mm;
+}
+
+}  // namespace
+
+void make_stage(Carriage& carriage, const DeltaParameters& delta,
+                const ToleranceParameters& tolerance, Random& random) {
+  for (auto& leg : carriage.leg_mm) leg = delta.leg_mm + tolerance.leg_mm * random.gaussian();
+  for (std::size_t side = 0; side < 2; ++side)
+    carriage.joint_mm[side] =
+        along_mm(side, delta) * carriage.tangent + gaussian_vector(random, tolerance.joint_mm);
+  carriage.scale_ppm = tolerance.scale_ppm * random.gaussian();
+}
+
+void make_arm(Machine& machine, std::size_t arm, const DeltaParameters& delta,
+              const ToleranceParameters& tolerance, Random& random) {
+  const auto& carriage = machine.carriages[arm];
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::size_t bar = 2 * arm + side;
+    machine.platform_joint_mm[bar] = delta.platform_radius_mm * carriage.outward +
+                                     along_mm(side, delta) * carriage.tangent +
+                                     gaussian_vector(random, tolerance.joint_mm);
+    machine.bar_mm[bar] = delta.arm_mm + tolerance.bar_mm * random.gaussian();
+  }
+}
+
+namespace {
+
 Carriage made_carriage(const MicroNanoParameters& p, std::size_t i, Random& random) {
   const auto& d = p.delta;
   const auto& t = p.tolerance;
@@ -28,12 +58,7 @@ Carriage made_carriage(const MicroNanoParameters& p, std::size_t i, Random& rand
   // Parallel hinge axes leave no turn; skewed ones turn the stage about the two other directions.
   const Vec3 skew = gaussian_vector(random, t.skew_mrad * 1e-3);
   c.skew = skew.y * c.tangent + skew.z * Vec3{0, 0, 1};
-  for (auto& leg : c.leg_mm) leg = d.leg_mm + t.leg_mm * random.gaussian();
-  for (std::size_t side = 0; side < 2; ++side) {
-    const double along_mm = (side == 0 ? -0.5 : 0.5) * d.pair_spacing_mm;
-    c.joint_mm[side] = along_mm * c.tangent + gaussian_vector(random, t.joint_mm);
-  }
-  c.scale_ppm = t.scale_ppm * random.gaussian();
+  make_stage(c, d, t, random);
   return c;
 }
 
@@ -64,17 +89,10 @@ void make_optics(Machine& machine, const PerArm<Vec3>& outward, const CubeParame
 
 Machine made_machine(const MicroNanoParameters& p, std::uint64_t seed) {
   Machine machine;
-  const auto& d = p.delta;
   Random robot(seed, "machine.robot"), optics(seed, "machine.optics");
   for (std::size_t i = 0; i < kArms; ++i) {
-    auto& c = machine.carriages[i] = made_carriage(p, i, robot);
-    for (std::size_t side = 0; side < 2; ++side) {
-      const double along_mm = (side == 0 ? -0.5 : 0.5) * d.pair_spacing_mm;
-      machine.platform_joint_mm[2 * i + side] = d.platform_radius_mm * c.outward +
-                                                along_mm * c.tangent +
-                                                gaussian_vector(robot, p.tolerance.joint_mm);
-      machine.bar_mm[2 * i + side] = d.arm_mm + p.tolerance.bar_mm * robot.gaussian();
-    }
+    machine.carriages[i] = made_carriage(p, i, robot);
+    make_arm(machine, i, p.delta, p.tolerance, robot);
   }
   make_optics(machine, kFaces, p.cube, p.optics, p.collimator, optics);
   return machine;

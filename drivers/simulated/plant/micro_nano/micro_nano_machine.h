@@ -48,6 +48,13 @@ void make_optics(Machine& machine, const PerArm<Vec3>& outward, const CubeParame
                  const OpticsParameters& optics, const CollimatorParameters& collimator,
                  Random& random);
 
+// Legs and joints of a stage, whose tangent is known, and its scale.
+void make_stage(Carriage& carriage, const DeltaParameters& delta,
+                const ToleranceParameters& tolerance, Random& random);
+// The two bars of an arm, whose carriage is made, and their joints on the platform.
+void make_arm(Machine& machine, std::size_t arm, const DeltaParameters& delta,
+              const ToleranceParameters& tolerance, Random& random);
+
 // The same seed makes the same machine.
 Machine made_machine(const MicroNanoParameters& parameters, std::uint64_t seed);
 

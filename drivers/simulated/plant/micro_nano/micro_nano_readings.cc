@@ -82,35 +82,10 @@ PoseTruth MicroNanoPlant::truth(TimeNs at) {
 }
 
 std::vector<std::string> MicroNanoPlant::truth_columns() const {
-  std::vector<std::string> columns{"q1_commanded_nm",
-                                   "q2_commanded_nm",
-                                   "q3_commanded_nm",
-                                   "q1_scale_nm",
-                                   "q2_scale_nm",
-                                   "q3_scale_nm",
-                                   "x_nm",
-                                   "y_nm",
-                                   "z_nm",
-                                   "rx_arcsec",
-                                   "ry_arcsec",
-                                   "rz_arcsec",
-                                   "x_path_nm",
-                                   "y_path_nm",
-                                   "z_path_nm",
-                                   "x_device_drift_nm",
-                                   "y_device_drift_nm",
-                                   "z_device_drift_nm",
-                                   "x_air_error_nm",
-                                   "y_air_error_nm",
-                                   "z_air_error_nm",
-                                   "force_N",
-                                   "declared_N",
-                                   "air_degC",
-                                   "room_degC",
-                                   "pressure_hPa"};
-  for (const auto& name : node_names()) columns.push_back(name + "_degC");
-  add_hidden_columns(columns);
-  return columns;
+  return pose_columns({"x_path_nm", "y_path_nm", "z_path_nm", "x_device_drift_nm",
+                       "y_device_drift_nm", "z_device_drift_nm", "x_air_error_nm", "y_air_error_nm",
+                       "z_air_error_nm", "force_N", "declared_N", "air_degC", "room_degC",
+                       "pressure_hPa"});
 }
 
 std::vector<double> MicroNanoPlant::truth_values(TimeNs at) {
