@@ -4,6 +4,7 @@
 #include <array>
 #include <set>
 
+#include "server/core/records/alarm_kinds.h"
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/text/text.h"
 
@@ -127,6 +128,25 @@ void check_means(TomlReader& reader, const ReceiverDescription& one) {
                     "found " + shown(address) + ", expected an address such as ada@example.org");
 }
 
+// "device.lost", or "run.*" for all that begin with it.
+void check_kind(TomlReader& reader, const std::string& pattern) {
+  const bool is_start = pattern.ends_with('*');
+  const std::string_view wanted = std::string_view(pattern).substr(0, pattern.size() - is_start);
+  std::vector<std::string_view> known(kAlarmKinds.begin(), kAlarmKinds.end());
+  std::set<std::string> groups;  // "run.*"
+  for (const auto kind : known) {
+    if (is_start ? kind.starts_with(wanted) : kind == wanted) return;
+    groups.insert(std::string(kind.substr(0, kind.find('.') + 1)) + "*");
+  }
+  known.insert(known.end(), groups.begin(), groups.end());
+  const std::string nearest = nearest_word(pattern, known);
+  reader.refuse("kinds", reasons::kBadReceiver,
+                "found " + shown(pattern) + ", which no alarm has as its kind" +
+                    (nearest.empty() ? ", expected kinds such as \"device.lost\" or \"run.*\" "
+                                       "(docs/alarms.md lists them)"
+                                     : "; did you mean " + shown(nearest) + "?"));
+}
+
 void read_receiver(TomlReader&& reader, CellDescription& cell) {
   ReceiverDescription one;
   reader.text("name", one.name, Need::required);
@@ -145,6 +165,7 @@ void read_receiver(TomlReader&& reader, CellDescription& cell) {
       reader.refuse("levels", reasons::kBadReceiver,
                     "found " + shown(level) + ", expected some of notice, warning, failed");
   reader.texts("kinds", one.kinds);
+  for (const auto& kind : one.kinds) check_kind(reader, kind);
   read_hours(reader, one);
   reader.number("repeat_h", one.repeat_h, {.min = 0, .max = 8784});
   reader.number("group_s", one.group_s, {.min = 0, .max = 3600});

@@ -119,6 +119,12 @@ INSTANTIATE_TEST_SUITE_P(
                   "[[notify]]\nname = \"a\"\ncommand = [\"x\"]\n[[notify]]\nname = "
                   "\"a\"\ncommand = [\"x\"]\n",
                   "DUPLICATE_ID"},
+        BadNotify{"kind",
+                  "[[notify]]\nname = \"a\"\ncommand = [\"x\"]\nkinds = [\"device.lots\"]\n",
+                  "BAD_RECEIVER"},
+        BadNotify{"start_of_no_kind",
+                  "[[notify]]\nname = \"a\"\ncommand = [\"x\"]\nkinds = [\"runs.*\"]\n",
+                  "BAD_RECEIVER"},
         BadNotify{"unknown_key", "[[notify]]\nname = \"a\"\ncommand = [\"x\"]\nhour = 3\n",
                   "UNKNOWN_KEY"},
         BadNotify{"watchdog_token_in_clear",
@@ -128,6 +134,19 @@ INSTANTIATE_TEST_SUITE_P(
         BadNotify{"no_such_channel", "[[channel_alarm]]\nchannel = \"t99_degC\"\nabove = 1\n",
                   "BAD_CHANNEL"}),
     [](const auto& row) { return std::string(row.param.name); });
+
+TEST(CellFileNotify, NamesTheKindThatWasMeant) {
+  const auto sentence_of = [](const std::string& kind) {
+    const auto cell =
+        read_with("[[notify]]\nname = \"a\"\ncommand = [\"x\"]\nkinds = [\"" + kind + "\"]\n");
+    return cell ? std::string() : cell.error().message;
+  };
+  EXPECT_THAT(sentence_of("device.lots"), testing::HasSubstr("did you mean 'device.lost'?"));
+  EXPECT_THAT(sentence_of("runs.*"), testing::HasSubstr("did you mean 'run.*'?"));
+  EXPECT_THAT(sentence_of("door_was_opened"), testing::HasSubstr("docs/alarms.md"));
+  for (const char* good : {"device.lost", "run.*", "queue.f*", "*"})
+    EXPECT_EQ(sentence_of(good), "");
+}
 
 // Whom a cell tells is no reason to ask before a run goes on.
 TEST(CellFileNotify, AChangeIsRecordedOnly) {
