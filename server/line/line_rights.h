@@ -28,6 +28,7 @@ class LineRights {
   // After identity_of(evidence_of(token)).
   void take(access::Identity who, std::string token);
 
+  const std::string& from() const { return from_; }
   bool known() const { return identity_.has_value(); }
   const access::Identity& identity() const { return *identity_; }
   access::Evidence evidence_of(const std::string& token) const;

@@ -8,11 +8,14 @@
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/ssl/error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cstring>
 #include <set>
 
 #include "server/access/door_address.h"
+#include "server/access/failed_handshakes.h"
+#include "server/access/wrong_tries.h"
 #include "server/compensation/target.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -63,7 +66,8 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
         address_(std::move(address)),
         allowed_(std::move(allowed)),
         parts_(std::move(parts)),
-        door_(std::move(door)) {}
+        door_(std::move(door)),
+        failed_handshakes_("text line " + address_) {}
 
   void accept_next();
   void shut();
@@ -74,6 +78,7 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   void answer(std::string_view line, std::string& out) const;
   void answer_joint(std::string_view line, std::string& out) const;
   void forget(Session* session) { sessions_.erase(session); }
+  void tell_failed_handshake(const std::string& from, error_code why);
   LineRights rights(const tcp::endpoint& peer) const {
     return {parts_.access, door_.kind,
             (peer.address().is_v6() ? "ipv6:" : "ipv4:") + text_of(peer)};
@@ -94,6 +99,7 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   bool shut_ = false;
   std::size_t turned_away_ = 0;
   WallClock::time_point told_{};
+  access::FailedHandshakes failed_handshakes_;
   std::set<Session*> sessions_;
 };
 
@@ -114,6 +120,7 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
   void begin() {
     close_after(kHandshake);
     socket_->shake_hands([self = shared_from_this()](error_code error) {
+      if (error) self->door_->tell_failed_handshake(self->rights_.from(), error);
       if (error || self->door_->is_shut() || self->last_) return self->close();
       if (const auto entered = self->rights_.take(self->socket_->certificate()); !entered)
         return self->refuse(entered.error());
@@ -299,6 +306,13 @@ void TargetLineServer::Door::identify(access::Evidence evidence,
       session->on_identity(std::move(who));
     });
   });
+}
+
+void TargetLineServer::Door::tell_failed_handshake(const std::string& from, error_code why) {
+  if (why.category() != asio::error::get_ssl_category()) return;  // it only left
+  const auto line =
+      failed_handshakes_.note(access::source_of(from), why.message(), WallClock::now());
+  if (line) spdlog::warn("{}", *line);
 }
 
 void TargetLineServer::Door::shut() {

@@ -1,6 +1,7 @@
 #include "server/web/http_connection.h"
 
 #include <netinet/tcp.h>
+#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 
 #include <boost/asio/bind_cancellation_slot.hpp>
@@ -18,6 +19,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
 
+#include "server/access/wrong_tries.h"
 #include "server/web/security_headers.h"
 
 namespace driftwise::web {
@@ -109,13 +111,14 @@ class BeastConnection final : public HttpConnection,
  public:
   // tls: of a TlsStream, which keeps it alive.
   BeastConnection(tcp::socket socket, std::shared_ptr<asio::ssl::context> tls, HttpSite& site,
-                  BodyBudget& budget)
+                  BodyBudget& budget, access::FailedHandshakes& failed)
       : ends_{peer_of(socket), local_of(socket), kTls},
         tls_(std::move(tls)),
         stream_(make_stream(std::move(socket))),
         idle_(stream_.get_executor()),
         site_(site),
-        budget_(budget) {
+        budget_(budget),
+        failed_(failed) {
     Code ignored;
     tcp_stream().socket().set_option(tcp::no_delay(true), ignored);
     watch_peer(tcp_stream().socket());
@@ -175,6 +178,7 @@ class BeastConnection final : public HttpConnection,
     co_await stream_.async_handshake(asio::ssl::stream_base::server, token());
     now(Activity::idle);
     if (!code_) co_return true;
+    tell_failure();
     // Somebody typed http:// where the door speaks https://.
     if (ERR_GET_REASON(static_cast<unsigned long>(code_.value())) == SSL_R_HTTP_REQUEST) {
       static constexpr std::string_view kHint =
@@ -184,6 +188,13 @@ class BeastConnection final : public HttpConnection,
       co_await asio::async_write(tcp_stream(), asio::buffer(kHint), token());
     }
     co_return false;
+  }
+
+  void tell_failure() {
+    if (code_.category() != asio::error::get_ssl_category()) return;  // it only left
+    if (const auto line =
+            failed_.note(access::source_of(ends_.peer), code_.message(), WallClock::now()))
+      spdlog::warn("{}", *line);
   }
 
   Awaitable<bool> first_byte() {
@@ -406,6 +417,7 @@ class BeastConnection final : public HttpConnection,
   HttpSite& site_;
   beast::flat_buffer buffer_{kMaxHeaderBytes + 8192};
   BodyBudget& budget_;
+  access::FailedHandshakes& failed_;
   Code code_;  // of the last operation
   Activity activity_ = Activity::idle;
   DoorInstant since_ = WallClock::now();
@@ -419,11 +431,13 @@ class BeastConnection final : public HttpConnection,
 
 std::shared_ptr<HttpConnection> HttpConnection::make(tcp::socket socket,
                                                      std::shared_ptr<asio::ssl::context> tls,
-                                                     HttpSite& site, BodyBudget& budget) {
+                                                     HttpSite& site, BodyBudget& budget,
+                                                     access::FailedHandshakes& failed) {
   if (tls)
     return std::make_shared<BeastConnection<TlsStream>>(std::move(socket), std::move(tls), site,
-                                                        budget);
-  return std::make_shared<BeastConnection<PlainStream>>(std::move(socket), nullptr, site, budget);
+                                                        budget, failed);
+  return std::make_shared<BeastConnection<PlainStream>>(std::move(socket), nullptr, site, budget,
+                                                        failed);
 }
 
 }  // namespace driftwise::web

@@ -15,6 +15,7 @@
 #include <boost/asio/ssl/context.hpp>
 #include <memory>
 
+#include "server/access/failed_handshakes.h"
 #include "server/web/body_budget.h"
 #include "server/web/door_quotas.h"
 #include "server/web/http_message.h"
@@ -23,10 +24,12 @@ namespace driftwise::web {
 
 class HttpConnection {
  public:
-  // site and budget outlive the connection. tls: null for a plain one.
+  // site, budget and failed (told of TLS that was not agreed) outlive the connection. tls: null for
+  // a plain one.
   static std::shared_ptr<HttpConnection> make(asio::ip::tcp::socket socket,
                                               std::shared_ptr<asio::ssl::context> tls,
-                                              HttpSite& site, BodyBudget& budget);
+                                              HttpSite& site, BodyBudget& budget,
+                                              access::FailedHandshakes& failed);
   virtual ~HttpConnection() = default;
 
   // Until the connection is over. The caller keeps it alive meanwhile.

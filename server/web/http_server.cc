@@ -117,7 +117,8 @@ class ThreadedHttpServer final : public HttpServer {
   void take(tcp::socket socket) {
     const auto place = connections_.insert(
         connections_.end(),
-        HttpConnection::make(std::move(socket), tls_ ? tls_->context() : nullptr, *site_, budget_));
+        HttpConnection::make(std::move(socket), tls_ ? tls_->context() : nullptr, *site_, budget_,
+                             failed_));
     asio::co_spawn(context_, (*place)->serve(), [this, place](const std::exception_ptr& bug) {
       connections_.erase(place);
       if (connections_.empty()) grace_.cancel();
@@ -173,6 +174,7 @@ class ThreadedHttpServer final : public HttpServer {
   asio::steady_timer grace_;
   std::unique_ptr<HttpSite> site_;
   BodyBudget budget_;  // the connections hold shares of it
+  access::FailedHandshakes failed_{"page"};
   Connections connections_;
   std::thread thread_;
 };

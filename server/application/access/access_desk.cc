@@ -1,5 +1,7 @@
 #include "server/application/access/access_desk.h"
 
+#include <spdlog/spdlog.h>
+
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <utility>
@@ -78,6 +80,12 @@ AccessDesk::AccessDesk(asio::any_io_executor executor, asio::any_io_executor tex
       ended_(executor) {}
 
 void AccessDesk::note(access::AccessNote what) {
+  // At once, on the caller's thread: the record may wait for its disk. The authoriser bounds their
+  // number.
+  if (what.kind == access::AccessNote::Kind::wrong_try ||
+      what.kind == access::AccessNote::Kind::locked)
+    spdlog::warn("access: {} from {}: {}", what.who.empty() ? "somebody" : what.who,
+                 access::source_of(what.from), what.detail);
   asio::post(executor_, [this, what = std::move(what)] { take(what); });
 }
 

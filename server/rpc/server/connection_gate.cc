@@ -175,8 +175,10 @@ class ConnectionGate::Listener {
   }
 
   std::uint16_t port() const { return port_of(where_.bytes); }
-  void accept_for(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server) {
+  void accept_for(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server,
+                  void (*came)(const std::string&)) {
     server_ = std::move(server);
+    came_ = came;
     thread_ = std::thread([this] { accept_all(); });
   }
 
@@ -235,6 +237,7 @@ class ConnectionGate::Listener {
     const std::string peer =
         from.ss_family == AF_UNIX ? host : host + ":" + std::to_string(port_of(from));
     connections_.push_back({fresh.get(), inode_of(fresh.get()), host, peer});
+    if (came_) came_(host);
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters handed;
     handed.listener_fd = socket_.get();
     handed.fd = fresh.release();
@@ -270,6 +273,7 @@ class ConnectionGate::Listener {
   std::shared_ptr<const CallBook> calls_;
   Quotas quotas_;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server_;
+  void (*came_)(const std::string&) = nullptr;
   std::list<Connection> connections_;
   std::thread thread_;
 };
@@ -309,8 +313,9 @@ ConnectionGate::ConnectionGate(std::unique_ptr<Listener> listener)
 ConnectionGate::~ConnectionGate() = default;
 std::uint16_t ConnectionGate::port() const { return listener_->port(); }
 void ConnectionGate::accept_for(
-    std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server) {
-  listener_->accept_for(std::move(server));
+    std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server,
+    void (*came)(const std::string&)) {
+  listener_->accept_for(std::move(server), came);
 }
 
 }  // namespace driftwise::rpc

@@ -39,8 +39,10 @@ class ConnectionGate {
   ConnectionGate& operator=(const ConnectionGate&) = delete;
 
   std::uint16_t port() const;  // 0: a unix socket
-  // From now on connections go to the server that the acceptor belongs to. Once.
-  void accept_for(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server);
+  // From now on connections go to the server that the acceptor belongs to. Once. came: told each
+  // client's host on the gate's thread; nullptr: nobody is.
+  void accept_for(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server,
+                  void (*came)(const std::string& host) = nullptr);
 
  private:
   class Listener;

@@ -1,7 +1,5 @@
 #include "server/rpc/server/rpc_server.h"
 
-#include <google/protobuf/stubs/logging.h>
-#include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
@@ -16,6 +14,7 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/server/guard.h"
+#include "server/rpc/server/library_logs.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/wire_time.h"
 
@@ -69,20 +68,6 @@ Result<Address> parse(const std::string& listen) {
   }
   return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
               "listen: found '" + listen + "', expected host:port, for example 127.0.0.1:50051");
-}
-
-// What the libraries say about a client's bytes or a taken port is ours to say, in a sentence:
-// theirs goes to the debug level of our log.
-void take_over_logs() {
-  static const bool done = [] {
-    gpr_set_log_function([](gpr_log_func_args* args) { spdlog::debug("gRPC: {}", args->message); });
-    google::protobuf::SetLogHandler(
-        [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
-          spdlog::debug("protobuf: {}", message);
-        });
-    return true;
-  }();
-  static_cast<void>(done);
 }
 
 // The library reads the files again when they change. A client may come without a certificate: its
@@ -169,7 +154,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(const application::Services& 
                                                    const std::string& listen,
                                                    std::vector<grpc::Service*> further,
                                                    access::Access* access) {
-  take_over_logs();
+  take_over_library_logs();
   std::unique_ptr<RpcServer> out(new RpcServer);
   out->calls_ = std::make_shared<CallBook>();
   if (access == nullptr)
@@ -206,8 +191,11 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(const application::Services& 
   if (!out->server_)
     return fail(ErrorCode::internal, reasons::kNoServer,
                 "the gRPC library made no server: see its log");
-  for (std::size_t i = 0; i < out->gates_.size(); ++i)
-    out->gates_[i]->accept_for(std::move(building.acceptors[i]));
+  for (std::size_t i = 0; i < out->gates_.size(); ++i) {
+    const bool is_tls = !out->tls_address_.empty() && i + 1 == out->gates_.size();  // opened last
+    out->gates_[i]->accept_for(std::move(building.acceptors[i]),
+                               is_tls ? &note_tls_client : nullptr);
+  }
   map_times_by(&cell.host);
   out->host_ = &cell.host;
   out->ready(false);

@@ -18,6 +18,7 @@
 #include "tests/support/process.h"
 #include "tests/support/tls_client.h"
 #include "tests/unit/compensation/models.h"
+#include "tests/unit/line/captured_log.h"
 #include "tests/unit/line/line_client.h"
 
 namespace driftwise::line {
@@ -64,6 +65,7 @@ class LineDoors : public testing::Test {
     return access_->tokens().create(name, role, "test", 0, std::nullopt)->text;
   }
 
+  const tests::CapturedLog log_;
   asio::io_context context_;
   const tests::TemporaryFolder folder_;
   const tests::TestCertificates certificates_{folder_.path()};

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "server/line/line_address.h"
 #include "tests/unit/line/line_fixture.h"
 
@@ -33,6 +35,29 @@ TEST_F(LineDoors, RefuseACertificateWithoutARole) {
   TlsClient unknown(server_->address(), certificates_.client("uwe", ""));
   EXPECT_THAT(unknown.line(), StartsWith("ERR NO_ROLE "));
   EXPECT_EQ(unknown.line(), "") << "closed";
+}
+
+TEST_F(LineDoors, WriteAFailedHandshakeIntoTheLogOnceForManyTries) {
+  ASSERT_TRUE(start(tls_door()));
+  const tests::TemporaryFolder elsewhere;
+  const tests::TestCertificates others(elsewhere.path());
+  auto stranger = others.client("stage", "driftwise:role/controller");
+  stranger.authority = certificates_.path("authority.pem");
+  for (int i = 0; i < 5; ++i) {
+    try {
+      EXPECT_EQ(TlsClient(server_->address(), stranger).line(), "");
+    } catch (const std::runtime_error&) {  // refused while it connects
+    }
+  }
+  // The door looks at the next client after those.
+  TlsClient controller(server_->address(),
+                       certificates_.client("stage", "driftwise:role/controller"));
+  ASSERT_THAT(controller.ask("TARGET x_mm=1"), StartsWith("OK q1_mm="));
+  const std::string told = log_.text();
+  EXPECT_THAT(told, StartsWith("warning: text line " + server_->address() +
+                               ": the TLS handshake with ipv4:127.0.0.1 failed: certificate verify "
+                               "failed"));
+  EXPECT_EQ(std::ranges::count(told, '\n'), 1) << told;
 }
 
 TEST_F(LineDoors, AskForATokenAndSayNothingBefore) {

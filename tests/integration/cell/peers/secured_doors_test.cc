@@ -119,6 +119,16 @@ TEST_F(SecuredDoors, RefuseWhoHasNoRightInASentence) {
   const TestCertificates others(elsewhere.path());
   EXPECT_EQ(reason_of({others.path("authority.pem"), "", "", ""}), "NO_DAEMON")
       << "a daemon that this authority does not know";
+  EXPECT_EQ(reason_of({authority, others.client("eve", "driftwise:role/admin").certificate,
+                       others.path("eve-key.pem"), ""}),
+            "NO_DAEMON")
+      << "a certificate of another authority";
+  wait_until("the failed handshake in the log", [&] {
+    return cell.daemon_log().find("gRPC door: the TLS handshake with ipv4:127.0.0.1 failed: ") !=
+           std::string::npos;
+  });
+  EXPECT_THAT(cell.daemon_log(), HasSubstr("access: eve from ipv4:127.0.0.1: a wrong token"));
+  EXPECT_THAT(cell.daemon_log(), testing::Not(HasSubstr("dwt_wrong")));
   if (!has_grpcio()) GTEST_SKIP() << "python3-grpcio is not installed: Python was not asked";
   const auto refused = python({"--token-file", viewer, address, "x_mm=1.5"});
   EXPECT_EQ(refused.code, 5);
