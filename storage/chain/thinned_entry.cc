@@ -102,7 +102,11 @@ std::vector<std::string> ThinnedStretches::differences(std::int64_t since) {
 }
 
 void ThinnedStretches::tell(Database& db, ChainReport& report) const {
-  Query query(db, "SELECT who, at_ns, reducer, every_ns, hash FROM thinning WHERE thinning_id = ?");
+  // The instant in UTC: cell time plus the offset of the last row of `clock` before it.
+  Query query(db,
+              "SELECT who, at_ns + COALESCE((SELECT offset_ns FROM clock WHERE from_ns <= at_ns "
+              "ORDER BY clock_id DESC LIMIT 1), 0), reducer, every_ns, hash FROM thinning WHERE "
+              "thinning_id = ?");
   for (const auto& [number, stretch] : stretches_) {
     report.thinned_readings += stretch.entry.count;
     if (report.thinned.size() >= kMostStretchesTold) continue;

@@ -129,7 +129,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       datasets(description, *clock, reader, writer, events, text_thread.executor()),
       annotations(*clock, reader, writer, events),
       models(description, *clock, reader, writer, events, datasets, worker_thread.executor()),
-      provenance(description, reader),
+      provenance(description, *clock, reader),
       checks(worker_thread.executor(), reader, events, serving, tasks),
       promotions(*clock, reader, writer, events, models, provenance, serving,
                  [this](bool any) { checks.served_another(any); }),

@@ -76,12 +76,12 @@ bool concerns(const correction::DataAmendment& amendment, const RunRecord& recor
              amendment.sensors.end();
 }
 
-std::string sentence(const LengthChange& change) {
+std::string sentence(const LengthChange& change, const Clock& clock) {
   return fmt::format(
       "{} of run {}{} by up to {} (rms {}) in {} row{}{}", change.channel, change.run.value,
       change.run_name.empty() ? "" : fmt::format(" '{}'", change.run_name),
       nm_text(change.largest_nm), nm_text(change.rms_nm), change.rows, change.rows == 1 ? "" : "s",
-      change.from.utc_ns == 0 ? "" : ", from " + to_iso8601(change.from));
+      change.from.utc_ns == 0 ? "" : ", from " + to_iso8601(clock.utc(change.from)));
 }
 
 }  // namespace driftwise::application

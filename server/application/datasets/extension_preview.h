@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "server/core/ports/clock.h"
 #include "server/core/ports/store.h"
 #include "server/core/records/configuration_records.h"
 #include "server/correction/data_amendment.h"
@@ -20,7 +21,8 @@ Result<std::vector<LengthChange>> length_changes(Store& store, RunId run,
 bool concerns(const correction::DataAmendment& amendment, const RunRecord& run);
 bool concerns_every_run(const correction::DataAmendment& amendment);
 
-// "x_mm of run 3 'weekend' by up to 3219 nm (rms 812 nm) in 200 rows, from 2026-11-20T08:12:00Z"
-std::string sentence(const LengthChange& change);
+// "x_mm of run 3 'weekend' by up to 3219 nm (rms 812 nm) in 200 rows, from 2026-11-20T08:12:00Z".
+// clock: for the instant's UTC.
+std::string sentence(const LengthChange& change, const Clock& clock);
 
 }  // namespace driftwise::application

@@ -144,7 +144,8 @@ std::vector<std::string> sentences_of(const correction::DataAmendment& amendment
   return sentences;
 }
 
-std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool promote) {
+std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool promote,
+                                      const Clock& clock) {
   constexpr std::size_t kMostNamed = 12;
   std::vector<std::string> sentences;
   sentences.push_back(fmt::format(
@@ -152,7 +153,7 @@ std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool prom
       promote ? ", and serves targets at once" : ", which serves nobody until it is promoted"));
   std::size_t named = 0;
   for (const auto& change : preview.changes)
-    if (named++ < kMostNamed) sentences.push_back("changes " + sentence(change));
+    if (named++ < kMostNamed) sentences.push_back("changes " + sentence(change, clock));
   if (named > kMostNamed)
     sentences.push_back(fmt::format("... and {} more lengths of runs", named - kMostNamed));
   if (preview.earlier_runs)
@@ -173,10 +174,10 @@ std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool prom
 }
 
 // ", x_mm of run 3 by up to 40 nm": for the event.
-std::string largest_of(const std::vector<LengthChange>& changes) {
+std::string largest_of(const std::vector<LengthChange>& changes, const Clock& clock) {
   if (changes.empty()) return {};
   const auto& largest = *std::ranges::max_element(changes, {}, &LengthChange::largest_nm);
-  return fmt::format(", changes {}{}", sentence(largest),
+  return fmt::format(", changes {}{}", sentence(largest, clock),
                      changes.size() > 1 ? fmt::format(", and {} more", changes.size() - 1) : "");
 }
 
@@ -235,7 +236,7 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, Acce
   if (!stored) co_return stored;
   auto detail =
       fmt::format("{} accepted {} of diagnosis {}: {}{}", caller.name, numbers_of(stored->findings),
-                  request.diagnosis.value, made_of(*stored), largest_of(fresh.changes));
+                  request.diagnosis.value, made_of(*stored), largest_of(fresh.changes, clock_));
   const auto before = serving_.model();
   events_.record(caller, "extension.accepted", std::move(detail), {},
                  {fmt::format("diagnosis {}", request.diagnosis.value), "", made_of(*stored)});
@@ -287,7 +288,7 @@ Awaitable<Result<ExtensionPreview>> ExtensionsService::preview(AcceptRequest req
                       "everywhere else",
                       number, note));
   preview.promotion_questions = made.questions;
-  preview.sentences = sentences_of(preview, request.promote);
+  preview.sentences = sentences_of(preview, request.promote, clock_);
   co_return preview;
 }
 

@@ -103,7 +103,8 @@ std::vector<std::string> imported_geometry_questions(const calibration::Model& m
       "its uncertainty is known (model import --data judges it)"};
 }
 
-std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on) {
+std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on,
+                                              const std::function<UtcTime(CellTime)>& utc) {
   std::vector<std::string> questions;
   for (const auto& correction : rests_on)
     if (!correction.in_force())
@@ -112,7 +113,7 @@ std::vector<std::string> correction_questions(const std::vector<CorrectionRecord
           "are no longer those (fit it again)",
           correction.id.value,
           correction.diagnosis ? fmt::format(" of diagnosis {}", correction.diagnosis->value) : "",
-          correction.ended_by, to_iso8601(correction.ended)));
+          correction.ended_by, to_iso8601(utc(correction.ended))));
   return questions;
 }
 

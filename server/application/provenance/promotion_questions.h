@@ -1,6 +1,7 @@
 #pragma once
 // What a person has to answer before a model serves. Sentences that follow "although". Pure.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "server/core/records/diagnosis_records.h"
 #include "server/core/records/run_metadata.h"
 #include "server/core/result.h"
+#include "server/core/utc_map.h"
 #include "server/formats/cell_file/cell_file_difference.h"
 
 namespace driftwise::application {
@@ -18,8 +20,10 @@ namespace driftwise::application {
 std::vector<std::string> temperature_questions(const calibration::Model& model,
                                                const CellDescription& cell);
 
-// Corrections that the model rests on and that were taken back since.
-std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on);
+// Corrections that the model rests on and that were taken back since. utc: of an instant of cell
+// time.
+std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on,
+                                              const std::function<UtcTime(CellTime)>& utc);
 
 // Changes of the cell file since the model was measured, in a part that it uses.
 std::vector<std::string> configuration_questions(

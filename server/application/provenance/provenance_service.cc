@@ -38,7 +38,8 @@ Result<bool> is_judged_later(Store& store, const ModelRecord& model) {
   });
 }
 
-Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& present) {
+Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& present,
+                              const Clock& clock) {
   DRIFTWISE_TRY(const auto record, store.models().model(id));
   DRIFTWISE_TRY(const auto model, formats::read_model_json(record.json));
   ModelGround ground;
@@ -80,7 +81,8 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
        {ground.questions_for_a_reason, imported_geometry_questions(model),
         origin_questions(model, data, present),
         campaign_questions(model, data, present, judged_later),
-        temperature_questions(model, present), correction_questions(ground.corrections),
+        temperature_questions(model, present),
+        correction_questions(ground.corrections, [&clock](CellTime at) { return clock.utc(at); }),
         configuration_questions(model, ground.changes_since)})
     ground.promotion_questions.insert(ground.promotion_questions.end(), questions.begin(),
                                       questions.end());
@@ -105,8 +107,9 @@ Awaitable<Result<std::vector<RunGround>>> ProvenanceService::grounds_of_runs(
 }
 
 Awaitable<Result<ModelGround>> ProvenanceService::ground_of_model(ModelId id) {
-  co_return co_await reader_.call(
-      [id, present = &description_](Store& store) { return ground_of(store, id, *present); });
+  co_return co_await reader_.call([id, present = &description_, clock = &clock_](Store& store) {
+    return ground_of(store, id, *present, *clock);
+  });
 }
 
 }  // namespace driftwise::application

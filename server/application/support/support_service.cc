@@ -129,8 +129,8 @@ std::string SupportService::devices() const {
 
 std::string SupportService::state() const {
   const auto status = overview_.status();
-  std::string text = fmt::format("cell '{}' at {} (cell time), speed {:g}\n", status.name,
-                                 to_iso8601(status.now.utc), status.speed);
+  std::string text = fmt::format("cell '{}' at {}, speed {:g}\n", status.name,
+                                 to_iso8601(bench_.clock.utc(status.now.utc)), status.speed);
   text += status.run
               ? fmt::format("run {} '{}' is {}: {} accepted, {} given up, of {} rows. {}\n",
                             status.run->run.id.value, status.run->run.name,
@@ -163,19 +163,20 @@ Awaitable<Result<std::string>> SupportService::make(Caller caller) {
   parts.utc_s = bench_.clock.utc(bench_.clock.now().utc).ns / 1'000'000'000;
   std::string events, alarms;
   for (const auto& event : record.events)
-    events += fmt::format("{} {} {} {}: {}\n", event.id.value, to_iso8601(event.at.utc), event.who,
-                          event.what, clean_text(event.detail));
+    events +=
+        fmt::format("{} {} {} {}: {}\n", event.id.value, to_iso8601(bench_.clock.utc(event.at.utc)),
+                    event.who, event.what, clean_text(event.detail));
   for (const auto& alarm : record.alarms)
-    alarms +=
-        fmt::format("{} {} {} {}, {}: {}\n", alarm.id.value, to_iso8601(alarm.since),
-                    to_string(alarm.state()), alarm.kind, alarm.subject, clean_text(alarm.message));
+    alarms += fmt::format("{} {} {} {}, {}: {}\n", alarm.id.value,
+                          to_iso8601(bench_.clock.utc(alarm.since)), to_string(alarm.state()),
+                          alarm.kind, alarm.subject, clean_text(alarm.message));
   const auto add = [&parts](const char* name, std::string text) {
     parts.members.push_back({std::string("driftwise-support/") + name, std::move(text)});
   };
   add("README.txt",
       "Made by 'driftwise support bundle'. Without tokens, passwords and private keys; addresses "
       "of "
-      "receivers are cut to their host.\n");
+      "receivers are cut to their host. Times are UTC.\n");
   add("versions.txt", versions());
   add("devices.txt", devices());
   add("state.txt", state());

@@ -61,7 +61,7 @@ std::int64_t DatabaseUpkeep::log_bytes() const {
 
 // "cell.sqlite.kept-20261122T093000Z", beside the path that the cell file names.
 std::string DatabaseUpkeep::copy_path() const {
-  std::string instant = to_iso8601(clock_.now().utc).substr(0, 19);
+  std::string instant = to_iso8601(clock_.utc(clock_.now().utc)).substr(0, 19);
   std::erase_if(instant, [](char c) { return c == '-' || c == ':'; });
   return path_ + ".kept-" + instant + "Z";
 }
@@ -107,11 +107,11 @@ Awaitable<Result<ThinningStep>> DatabaseUpkeep::thin(ThinningOrder order, Caller
   constexpr double kNewest_s = 3600;
   if (seconds_from(clock_.now().utc - order.before) < kNewest_s)
     co_return fail(ErrorCode::invalid_argument, reasons::kBadRange,
-                   "before: found " + to_iso8601(order.before) +
+                   "before: found " + to_iso8601(clock_.utc(order.before)) +
                        ", expected an instant that is at least an hour ago: newer readings stay as "
                        "they are");
   order.by = {caller.name, caller.proof.empty() ? "stated" : caller.proof, caller.peer};
-  const std::string what = fmt::format("readings before {}", to_iso8601(order.before));
+  const std::string what = fmt::format("readings before {}", to_iso8601(clock_.utc(order.before)));
   const std::string how =
       fmt::format("{} every {:g} s", order.reducer, static_cast<double>(order.every_ns) * 1e-9);
   ThinningStep done;

@@ -5,6 +5,8 @@
 
 #include <sstream>
 
+#include "server/application/support/support_bundles.h"
+#include "server/formats/text/gzip.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -124,6 +126,29 @@ TEST(WallClock, WhatWasBeforeAStepKeepsItsUtcAcrossARestart) {
   EXPECT_EQ(cell->host.utc(cell->host.cell_time(cell->host.utc(early))), cell->host.utc(early));
   EXPECT_EQ(cell.events_named("clock.stepped").size(), 2u)
       << "and the clock that was put right while the daemon was away";
+}
+
+TEST(WallClock, InASupportBundleTimesAreUtc) {
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell(world, small_cell(folder / "cell.sqlite"), kSqlite);
+  cell.pass(10);
+  cell.time().wall_clock_set = std::chrono::hours(-1);
+  cell.pass(10);
+  ASSERT_TRUE(cell.await(cell->queue.hold(cell.ada, "after the step")));
+  cell.pass(5);
+  const auto bytes = cell.await(cell->support.make(cell.ada));
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  const std::string tar = *formats::gunzip(*bytes, "bundle", 64U << 20U);
+  const auto hour_of = [](UtcTime utc) { return to_iso8601(utc).substr(0, 14); };
+  const std::string utc = hour_of(cell->host.utc(cell.now()));
+  const std::string cell_time = hour_of(UtcTime{cell.now().utc_ns});
+  ASSERT_NE(utc, cell_time);
+  const auto end_of_line = tar.find("after the step");
+  ASSERT_NE(end_of_line, std::string::npos);
+  const auto line = tar.rfind('\n', end_of_line) + 1;
+  EXPECT_THAT(tar.substr(line, end_of_line - line), HasSubstr(" " + utc));
+  EXPECT_THAT(tar, HasSubstr("' at " + utc)) << "the cell's state";
 }
 
 // Issue 11, number 12: each device's clock has a measured offset.

@@ -28,6 +28,17 @@ calibration::Model model_of(double a90_mm, std::int64_t validation_rows) {
   return model;
 }
 
+TEST(CorrectionQuestions, TellTheInstantInUtc) {
+  CorrectionRecord taken_back;
+  taken_back.id = CorrectionId{7};
+  taken_back.ended = CellTime{1'800'000'000'000'000'000};
+  taken_back.ended_by = "ada";
+  const auto utc = [](CellTime at) { return UtcTime{at.utc_ns - 3'600'000'000'000}; };
+  const auto questions = correction_questions({taken_back}, utc);
+  ASSERT_THAT(questions, SizeIs(1));
+  EXPECT_THAT(questions[0], HasSubstr("took back at 2027-01-15T07:00:00Z"));
+}
+
 TEST(AccuracyQuestions, AreNoneWhereNoCampaignStatesWhatItWants) {
   EXPECT_THAT(accuracy_questions(model_of(80e-6, 0), {{{"sample", "A12"}}}), IsEmpty());
 }
