@@ -32,13 +32,14 @@ struct AcceptMaterial {  // read from the store
   RunsData data;
   std::vector<CorrectionId> corrections;  // in force over them
   std::optional<ModelRecord> parent;
-  std::vector<DataOfModel> of_runs;  // where the model is to serve
+  std::vector<DataOfModel> of_runs;   // where the model is to serve
+  std::vector<RunMetadata> metadata;  // likewise
 };
 
 struct MadeExtension {  // by the worker
   ExtensionPlan plan;
   ModelRecord model;
-  std::vector<std::string> questions;  // before it is promoted
+  std::vector<std::string> questions, for_a_reason;  // before it is promoted; the latter among them
 };
 
 Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& request) {
@@ -73,6 +74,10 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
     DRIFTWISE_TRY(auto of_runs,
                   data_of_model(store, material.record.runs, material.record.created));
     material.of_runs = std::move(of_runs);
+    for (const RunId run : material.record.runs) {
+      DRIFTWISE_TRY(auto of_run, store.runs().run(run));
+      material.metadata.push_back(std::move(of_run.metadata));
+    }
   }
   if (material.record.model) {
     DRIFTWISE_TRY(auto parent, store.models().model(*material.record.model));
@@ -112,17 +117,19 @@ Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
                                           material.data, material.taken_as));
   DRIFTWISE_RETURN_IF_ERROR(put_in_force(plan, material.data));
   DRIFTWISE_TRY(auto model, fit_extension(plan, material.data.data, fit_of(material, plan)));
-  std::vector<std::string> questions;
+  std::vector<std::string> questions, for_a_reason;
   if (promote) {  // whether it can serve is seen before anything is kept
     DRIFTWISE_TRY(auto whole, formats::read_model_json(model.json));
-    for (auto& asked : {origin_questions(whole, material.of_runs, cell),
+    for_a_reason = accuracy_questions(whole, material.metadata);
+    for (auto& asked : {for_a_reason, origin_questions(whole, material.of_runs, cell),
                         campaign_questions(whole, material.of_runs, cell, false),
                         temperature_questions(whole, cell)})
       questions.insert(questions.end(), asked.begin(), asked.end());
     DRIFTWISE_RETURN_IF_ERROR(
         compensation::SnapshotBuilder::create(std::move(whole), ModelId{}, cell));
   }
-  return MadeExtension{std::move(plan), std::move(model), std::move(questions)};
+  return MadeExtension{std::move(plan), std::move(model), std::move(questions),
+                       std::move(for_a_reason)};
 }
 
 // Without a fit where none is needed: what changes, and what a promotion would ask.
@@ -131,7 +138,7 @@ Result<MadeExtension> previewed(const AcceptMaterial& material, bool promote,
   if (promote) return make_extension(material, promote, cell);
   DRIFTWISE_TRY(auto plan, plan_extension(material.record.id, material.found, material.chosen,
                                           material.data, material.taken_as));
-  return MadeExtension{std::move(plan), {}, {}};
+  return MadeExtension{std::move(plan), {}, {}, {}};
 }
 
 std::vector<std::string> sentences_of(const correction::DataAmendment& amendment) {
@@ -213,6 +220,7 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, Acce
 
   if (request.promote && !request.confirmed)
     DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(made.questions));
+  if (request.reason.empty()) DRIFTWISE_CO_RETURN_IF_ERROR(reason_for(made.for_a_reason));
   auto changing = changes_in_all_runs(made.plan.amendment, shared->record.runs);
   DRIFTWISE_CO_TRY(auto changes, co_await std::move(changing));
 
@@ -246,6 +254,9 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, Acce
     auto serving = serving_.serve(record);
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
     promotions_.announce(caller, std::move(record), "promote", before);
+    if (!request.reason.empty())
+      DRIFTWISE_CO_RETURN_IF_ERROR(
+          co_await promotions_.keep_reason(caller, *stored->model, request.reason));
   }
   co_return stored;
 }
@@ -288,6 +299,7 @@ Awaitable<Result<ExtensionPreview>> ExtensionsService::preview(AcceptRequest req
                       "everywhere else",
                       number, note));
   preview.promotion_questions = made.questions;
+  preview.questions_for_a_reason = made.for_a_reason;
   preview.sentences = sentences_of(preview, request.promote, clock_);
   co_return preview;
 }

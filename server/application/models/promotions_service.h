@@ -38,9 +38,10 @@ class PromotionsService final : public Promotions {
   // before: the model that served; none: not known here, or none did.
   void announce(const Caller& caller, std::optional<ModelRecord> next, const std::string& action,
                 std::optional<ModelId> before = {});
+  // Why a model was promoted, as a note on it and an event.
+  Awaitable<Result<void>> keep_reason(Caller caller, ModelId id, std::string reason);
 
  private:
-  Awaitable<Result<void>> keep_reason(Caller caller, ModelId id, std::string reason);
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
                                          std::string action);
 

@@ -90,6 +90,8 @@ v1::PreviewExtensionResponse preview_from(const application::ExtensionPreview& p
   for (const auto& sentence : preview.further) out.add_further(utf8_from(sentence));
   for (const auto& question : preview.promotion_questions)
     out.add_promotion_questions(utf8_from(question));
+  for (const auto& question : preview.questions_for_a_reason)
+    out.add_questions_for_a_reason(utf8_from(question));
   for (const auto& sentence : preview.sentences) out.add_sentences(utf8_from(sentence));
   return out;
 }

@@ -53,6 +53,8 @@ Result<application::AcceptRequest> accept_request_from(const v1::AcceptExtension
   asked.diagnosis = {request.diagnosis_id()};
   asked.promote = request.promote();
   asked.confirmed = request.confirmed();
+  DRIFTWISE_TRY(auto reason, line_from(request.reason(), kMostNoteBytes, "reason"));
+  if (reason.find_first_not_of(' ') != std::string::npos) asked.reason = std::move(reason);
   for (const std::int32_t number : request.finding_numbers()) {
     if (number < 1)
       return fail(ErrorCode::invalid_argument, reasons::kBadFinding,

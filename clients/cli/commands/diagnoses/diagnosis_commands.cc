@@ -19,7 +19,7 @@ struct DiagnosisArguments {
   std::int64_t id = 0;
   std::vector<std::int32_t> findings;
   bool promote = false, yes = false;
-  std::string file;
+  std::string file, reason;
 };
 
 v1::Diagnosis get(const Connection& connection, std::int64_t id) {
@@ -155,6 +155,10 @@ ExitCode preview(const Session& session, const DiagnosisArguments& a) {
 ExitCode accept(const Session& session, const DiagnosisArguments& a) {
   const auto connection = session.connect();
   const auto seen = previewed(connection, a);
+  if (!seen.questions_for_a_reason().empty() && a.reason.empty())
+    throw Failure{ExitCode::refused, "failed_precondition", "REASON_REQUIRED",
+                  seen.questions_for_a_reason(0) +
+                      ": say why it serves all the same, for the record: --reason 'TEXT'"};
   std::string numbers;
   for (const auto number : seen.finding_numbers())
     numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
@@ -166,6 +170,7 @@ ExitCode accept(const Session& session, const DiagnosisArguments& a) {
   request.set_diagnosis_id(a.id);
   for (const auto number : a.findings) request.add_finding_numbers(number);
   request.set_promote(a.promote);
+  request.set_reason(a.reason);
   return show_extension(session,
                         connection.ask(&DiagnosisStub::AcceptExtension, request, 600).extension());
 }
@@ -249,6 +254,10 @@ void add_diagnosis_commands(CLI::App& app, Session& session) {
     one->add_flag("--promote", a->promote, "the model that it makes serves at once");
   }
   accepted.add_flag("--yes", a->yes, "ask nothing: for scripts");
+  accepted.add_option(
+      "--reason", a->reason,
+      "with --promote: why it serves although it misses the wanted accuracy; kept on "
+      "record");
   id(add_command(diagnosis, session, "undo", "Takes back what accept made",
                  [&session, a] { return undo(session, a->id); }));
   id(add_command(diagnosis, session, "cancel", "Ends one that is under way",

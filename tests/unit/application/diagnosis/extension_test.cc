@@ -130,6 +130,27 @@ TEST_F(ExtensionTest, AnInstrumentsErrorIsCorrectedInTheDataAndStaysOutOfTheMode
   EXPECT_THAT(d.cell.events_named("extension.accepted").at(0), HasSubstr("correction 1"));
 }
 
+TEST_F(ExtensionTest, OfAModelThatMissesTheWantedAccuracyIsPromotedWithAWrittenReason) {
+  findings = {bend()};
+  ASSERT_TRUE(d.cell.await(d.cell->runs.tag(d.cell.ada, run, {{"wanted_a90_nm", "0.001"}}, {})));
+  application::AcceptRequest request;
+  request.diagnosis = d.diagnosed(run, "q ~ x").record.id;
+  request.promote = request.confirmed = true;
+  const auto preview = d.cell.await(d.cell->extensions.preview(request));
+  ASSERT_TRUE(preview) << preview.error().message;
+  EXPECT_THAT(preview->questions_for_a_reason, ElementsAre(HasSubstr("wants an A90 of 0.001 nm")));
+  const auto refused = d.cell.await(d.cell->extensions.accept(d.cell.ada, request));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "REASON_REQUIRED");
+  EXPECT_FALSE(d.cell.status().serving) << "nothing was made";
+  request.reason = "good enough for today's test";
+  const auto made = d.cell.await(d.cell->extensions.accept(d.cell.ada, request));
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(d.cell.status().serving, made->model);
+  EXPECT_THAT(d.cell.events_named("note.added"),
+              testing::Contains(HasSubstr("promoted, because: good enough for today's test")));
+}
+
 TEST_F(ExtensionTest, UndoneItLeavesNoTrace) {
   findings = {cycle(), outlier()};
   const auto before = *d.cell.await(d.cell->datasets.export_csv({run}, false));
