@@ -9,6 +9,7 @@
 #include <random>
 
 #include "server/core/units.h"
+#include "server/correction/return_subtraction.h"
 
 namespace driftwise::correction {
 namespace {
