@@ -1,7 +1,7 @@
 // A real daemon before a real simulated cell, in a folder of its own under the system's temporary one, on ports that were
 // free. The daemon can be killed and started again at the same address, as a page sees it.
 import { spawn } from 'node:child_process';
-import { createServer } from 'node:net';
+import { connect, createServer } from 'node:net';
 import { appendFileSync, existsSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -67,6 +67,17 @@ export class Cell {
       if (ended(this.plant)) throw new Error(`driftwise-cellsim ended:\n${readFileSync(join(this.folder, 'cellsim.log'), 'utf8').slice(-2000)}`);
       return existsSync(out) && readFileSync(out, 'utf8').includes('READY');
     });
+  }
+
+  // A line to the simulated cell's control port: "fault mute scanner 10 s".
+  async control(line) {
+    const ready = JSON.parse(readFileSync(join(this.folder, 'cellsim.out'), 'utf8').split('READY ')[1].split('\n')[0]);
+    const [host, port] = ready.control.split(':');
+    const answer = await new Promise((done, failed) => {
+      const socket = connect(Number(port), host, () => socket.write(line + '\n'));
+      socket.once('error', failed).once('data', (data) => { socket.end(); done(String(data).trim()); });
+    });
+    if (!answer.startsWith('OK')) throw new Error(`${line}: ${answer}`);
   }
 
   // The web address must outlive a restart, for a page that stays open.
