@@ -54,6 +54,7 @@ struct ActiveRun {
   std::vector<double> jumped_nm;            // of each length, by jumps that only marked their line
   std::map<std::int64_t, int> attempts_of_row;
   RunProgress progress;
+  bool state_unstored = false;  // the disk was full: the record has another state
 };
 
 }  // namespace driftwise::application

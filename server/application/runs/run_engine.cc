@@ -411,7 +411,7 @@ Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
                                                 : "waiting for a person");
     } else {
       stands_ = !by_itself;  // it may go on at any moment: nobody moves the axes meanwhile
-      co_await run.control.changed().wait();
+      may_continue = co_await wait_for_change(run);
       stands_ = false;
     }
     if (may_continue && !run.control.held()) hooks_.look_at_cell(run.control);

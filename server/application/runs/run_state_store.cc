@@ -5,9 +5,13 @@
 #include "server/core/try.h"
 
 namespace driftwise::application {
+namespace {
+
+constexpr std::chrono::seconds kRetry{5};  // of cell time, for room on the disk
+
+}  // namespace
 
 Awaitable<Result<void>> store_state(ActiveRun& run) {
-  constexpr auto kRetry = std::chrono::seconds(5);
   const auto& record = run.record;
   RunChange change;
   change.state = record.state;
@@ -20,11 +24,24 @@ Awaitable<Result<void>> store_state(ActiveRun& run) {
   if (!run.scope.bench.boot_id.empty()) change.boot_id = run.scope.bench.boot_id;
   while (true) {
     auto stored = co_await run.scope.bench.writer.runs().change_run(record.id, change);
-    if (stored || stored.error().code != ErrorCode::resource_exhausted) co_return stored;
+    run.state_unstored = !stored && stored.error().code == ErrorCode::resource_exhausted;
+    if (!run.state_unstored) co_return stored;
     if (!is_over(record.state) || run.control.shutting_down()) co_return Result<void>{};
     co_await sleep_unless(run.scope.bench.clock, run.scope.bench.clock.now().utc + kRetry,
                           run.control.changed());
   }
+}
+
+Awaitable<Result<void>> wait_for_change(ActiveRun& run) {
+  auto& changed = run.control.changed();
+  if (!run.state_unstored) {
+    co_await changed.wait();
+    co_return Result<void>{};
+  }
+  auto& clock = run.scope.bench.clock;
+  co_await sleep_unless(clock, clock.now().utc + kRetry, changed);
+  if (run.control.held()) co_return co_await store_state(run);
+  co_return Result<void>{};
 }
 
 Awaitable<Result<void>> record_interruption(ActiveRun& run) {

@@ -14,8 +14,13 @@ constexpr std::string_view kShutDownReason =
     "the daemon was shut down; it goes on with the next start";
 
 // Writes state, reason, times, lag and restarts of the run's record. A full disk: an ended run
-// waits until it fits; any other state is only shown, and written with the next change.
+// waits until it fits; any other state is shown meanwhile (ActiveRun::state_unstored) and written
+// with the next change, or by the pause that it is.
 Awaitable<Result<void>> store_state(ActiveRun& run);
+
+// Until the run's control changes. A state that is not on record yet is written meanwhile, as soon
+// as it fits: a pause that is not there would be over after a kill.
+Awaitable<Result<void>> wait_for_change(ActiveRun& run);
 
 // After a kill: the row that was under way, or was about to be, gets an attempt on record as
 // interrupted.

@@ -152,6 +152,19 @@ TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
   EXPECT_EQ(cell.events_named("run.resumed").size(), 1u);
 }
 
+TEST_F(FullDiskTest, APauseIsOnRecordAsSoonAsThereIsRoom) {
+  const auto id = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  full = true;
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+  ASSERT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  full = false;
+  cell.pass(20);
+  auto store = *storage::open_sqlite_store(folder / "cell.sqlite", true);
+  EXPECT_EQ(store->runs().run(id)->state, RunState::paused) << "a kill now would let it go on";
+}
+
 TEST_F(FullDiskTest, ShutDownDoesNotWaitForRoom) {
   cell.begin_run(lines_of(2, {2, -3, 1}, true));
   cell.until([&] { return cell.status().run->run.accepted == 3; });
