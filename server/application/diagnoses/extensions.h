@@ -30,7 +30,7 @@ struct ExtensionPreview {
   std::vector<RowsOfRun> excluded;
   std::vector<std::string> further;  // datums split, thermometers left out: sentences
   std::vector<std::string> promotion_questions, questions_for_a_reason;  // the latter among them
-  std::vector<std::string> sentences;  // all of it for people
+  std::vector<std::string> sentences;                                    // all of it for people
 };
 
 class Extensions {
@@ -42,8 +42,8 @@ class Extensions {
   // Makes of the findings what they apply to: extension_plan.h. Errors: failed_precondition
   // NOT_DONE, NOTHING_FOUND, INDISTINGUISHABLE (a set without a choice), FROM_A_FILE,
   // OUTPUTS_DISAGREE, IMPOSSIBLE_PARAMETER (instrument_agreement.h); with promote
-  // NEEDS_CONFIRMATION, REASON_REQUIRED (Promotions::promote); those of fit(); already_exists EXTENSION_STANDS. All of it is stored in one
-  // transaction.
+  // NEEDS_CONFIRMATION, REASON_REQUIRED (Promotions::promote); those of fit(); already_exists
+  // EXTENSION_STANDS. All of it is stored in one transaction.
   virtual Awaitable<Result<ExtensionRecord>> accept(Caller caller, AcceptRequest request) = 0;
   virtual Awaitable<Result<ExtensionRecord>> undo(Caller caller, DiagnosisId id) = 0;
 };
