@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include "tests/hidden_effects/foreign/monomials.h"
 #include "tests/hidden_effects/foreign/strength.h"
@@ -216,7 +218,7 @@ std::string drawn_robot(const CampaignChoice& choice, Random& random) {
 
 }  // namespace
 
-MatrixXd Campaign::pose(const MatrixXd& dq, const MatrixXd& dp, const MatrixXd& temperature) const {
+MatrixXd Campaign::acting_motors(const MatrixXd& dq, const MatrixXd& temperature) const {
   MatrixXd out(rows(), robot.axes);
   for (int i = 0; i < rows(); ++i) {
     VectorXd effective =
@@ -225,7 +227,16 @@ MatrixXd Campaign::pose(const MatrixXd& dq, const MatrixXd& dp, const MatrixXd& 
       effective -= thermal * (temperature.row(i) - temperature.row(0)).transpose();
     }
     effective -= compliance * force_n[i];
-    const VectorXd u = robot.pose_of(effective);
+    out.row(i) = effective.transpose();
+  }
+  return out;
+}
+
+MatrixXd Campaign::pose(const MatrixXd& dq, const MatrixXd& dp, const MatrixXd& temperature) const {
+  const MatrixXd acting = acting_motors(dq, temperature);
+  MatrixXd out(rows(), robot.axes);
+  for (int i = 0; i < rows(); ++i) {
+    const VectorXd u = robot.pose_of(acting.row(i).transpose());
     for (int j = 0; j < robot.axes; ++j) {
       out(i, j) = robot.pose_value(j, u[j]) + dp(i, j);
     }
@@ -233,18 +244,24 @@ MatrixXd Campaign::pose(const MatrixXd& dq, const MatrixXd& dp, const MatrixXd& 
   return out;
 }
 
+double Campaign::largest_gap(const MatrixXd& pose, const MatrixXd& acting) const {
+  if (!pose.allFinite()) {
+    return std::numeric_limits<double>::infinity();
+  }
+  double largest = 0.0;
+  for (int i = 0; i < rows(); ++i) {
+    const VectorXd motors = robot.motor_of(robot.normalised(pose.row(i).transpose()));
+    largest = std::max(largest, (motors - acting.row(i).transpose()).cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
 MatrixXd Campaign::effect(const MatrixXd& with, const MatrixXd& without) const {
   const auto back = robot.linear.partialPivLu();
-  const auto normal = [this](const MatrixXd& table, int row) {
-    VectorXd u = table.row(row).transpose().cwiseQuotient(robot.half);
-    if (robot.zero_at_corner) {
-      u.array() -= 1.0;
-    }
-    return u;
-  };
   MatrixXd out(rows(), robot.axes);
   for (int i = 0; i < rows(); ++i) {
-    const VectorXd gap = robot.motor_of(normal(with, i)) - robot.motor_of(normal(without, i));
+    const VectorXd gap = robot.motor_of(robot.normalised(with.row(i).transpose())) -
+                         robot.motor_of(robot.normalised(without.row(i).transpose()));
     out.row(i) = back.solve(gap).cwiseProduct(robot.half).transpose();
   }
   return out;
@@ -294,6 +311,9 @@ Campaign make_campaign(const CampaignChoice& choice, const Needs& needs, Random&
   const double askew = plan_kind == "lattice_askew" ? random.log_uniform(1e-3, 1e-2) : 0.0;
   campaign.robot = make_robot(robot_kind, campaign.degree, askew,
                               !choice.vary.robot && choice.robot.empty(), random);
+  if (!regular_in_stroke(campaign.robot)) {
+    throw std::runtime_error("the robot is nearly singular within its stroke");
+  }
   campaign.degree = std::min(campaign.degree, campaign.robot.degree);
   const int axes = campaign.robot.axes;
 

@@ -100,6 +100,12 @@ struct Campaign {
   // dp (unit of the pose), with these temperatures in the thermal law.
   Eigen::MatrixXd pose(const Eigen::MatrixXd& dq, const Eigen::MatrixXd& dp,
                        const Eigen::MatrixXd& temperature) const;
+  // Normalised motor values of all rows less what moves the robot without them: motor errors, heat
+  // and force. Each is the baseline's polynomial of the row's pose.
+  Eigen::MatrixXd acting_motors(const Eigen::MatrixXd& dq,
+                                const Eigen::MatrixXd& temperature) const;
+  // Largest gap of a row between the polynomial of its pose and its acting motor values.
+  double largest_gap(const Eigen::MatrixXd& pose, const Eigen::MatrixXd& acting) const;
   // Difference of two pose tables as the baseline sees it: taken through the motors' geometry and
   // back through its linear part, so that what is linear in the motors stays so. Unit of the pose.
   Eigen::MatrixXd effect(const Eigen::MatrixXd& with, const Eigen::MatrixXd& without) const;
@@ -111,6 +117,8 @@ struct Campaign {
   Eigen::MatrixXd no_pose_error() const { return Eigen::MatrixXd::Zero(rows(), robot.axes); }
 };
 
+// Throws std::runtime_error where the drawn robot is no machine (regular_in_stroke): it is drawn
+// again with the next attempt of the order.
 Campaign make_campaign(const CampaignChoice& choice, const Needs& needs, Random& random);
 
 }  // namespace driftwise::foreign

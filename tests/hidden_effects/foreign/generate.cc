@@ -288,6 +288,9 @@ Generated attempt(const Order& order, int number) {
   made.pose = campaign.pose(dq, dp, campaign.body);
   made.true_pose = campaign.pose(dq, campaign.no_pose_error(), campaign.body);
   made.instrument_error = dp;
+  if (!(campaign.largest_gap(made.true_pose, campaign.acting_motors(dq, campaign.body)) < 1e-12)) {
+    throw std::runtime_error("a pose is no root of the geometry");
+  }
   Random noise(order.seed, "noise" + tag);
   add_noise(made, hidden, amplitudes, noise);
   const MatrixXd none = campaign.no_motor_error();

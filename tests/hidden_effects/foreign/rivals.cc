@@ -7,7 +7,6 @@
 
 #include "tests/hidden_effects/foreign/constants.h"
 #include "tests/hidden_effects/foreign/monomials.h"
-#include "tests/hidden_effects/foreign/periods.h"
 #include "tests/hidden_effects/foreign/shapes.h"
 
 namespace driftwise::foreign {

@@ -1,6 +1,7 @@
 #include "tests/hidden_effects/foreign/robot.h"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -75,7 +76,71 @@ void draw_strokes(Robot& robot, bool reference, Random& random) {
   }
 }
 
+constexpr double kNarrower = 1.25;
+constexpr int kPathSteps = 8;
+// Gap of a root in normalised motor units: rounding is below 1e-14.
+constexpr double kRoot = 1e-12;
+
+// Ends of the paths: all of {-1, 0, 1}^axes up to three axes, else the corners.
+std::vector<VectorXd> ends_of_stroke(int axes) {
+  const int levels = axes <= 3 ? 3 : 2;
+  const int count = static_cast<int>(std::lround(std::pow(levels, axes)));
+  std::vector<VectorXd> ends;
+  for (int k = 0; k < count; ++k) {
+    VectorXd s(axes);
+    int rest = k;
+    for (int i = 0; i < axes; ++i) {
+      s[i] = 2.0 * (rest % levels) / (levels - 1) - 1.0;
+      rest /= levels;
+    }
+    if (s.cwiseAbs().maxCoeff() > 0.0) {
+      ends.push_back(s);
+    }
+  }
+  return ends;
+}
+
+// Newton's method from a pose nearby. False where it does not arrive.
+bool follow(const Robot& robot, const VectorXd& s, VectorXd& u) {
+  for (int step = 0; step < 12; ++step) {
+    const VectorXd gap = s - robot.motor_of(u);
+    if (gap.cwiseAbs().maxCoeff() < kRoot) {
+      return true;
+    }
+    u += robot.jacobian(u).partialPivLu().solve(gap);
+    if (!u.allFinite()) {
+      return false;
+    }
+  }
+  return false;
+}
+
+bool regular_on_path(const Robot& robot, const VectorXd& end, double middle) {
+  VectorXd u = VectorXd::Zero(robot.axes);
+  for (int step = 1; step <= kPathSteps; ++step) {
+    if (!follow(robot, end * (static_cast<double>(step) / kPathSteps), u)) {
+      return false;
+    }
+    const MatrixXd slope = robot.jacobian(u);
+    if (slope.determinant() / middle < kNarrower * kLeastDeterminantShare) {
+      return false;
+    }
+    const VectorXd singular = Eigen::JacobiSVD<MatrixXd>(slope).singularValues();
+    if (singular.maxCoeff() * kNarrower > singular.minCoeff() * kLargestCondition) {
+      return false;
+    }
+  }
+  return (robot.pose_of(end) - u).cwiseAbs().maxCoeff() < 1e-9;
+}
+
 }  // namespace
+
+bool regular_in_stroke(const Robot& robot) {
+  const double middle = robot.linear.determinant();
+  const std::vector<VectorXd> ends = ends_of_stroke(robot.axes);
+  return std::all_of(ends.begin(), ends.end(),
+                     [&](const VectorXd& end) { return regular_on_path(robot, end, middle); });
+}
 
 const std::vector<std::string>& open_robots() {
   static const std::vector<std::string> kinds{"linear", "gantry", "delta", "flexure"};
@@ -185,6 +250,14 @@ VectorXd Robot::pose_of(const VectorXd& s) const {
 
 double Robot::pose_value(int coordinate, double u) const {
   return half[coordinate] * (u + (zero_at_corner ? 1.0 : 0.0));
+}
+
+VectorXd Robot::normalised(const VectorXd& values) const {
+  VectorXd u = values.cwiseQuotient(half);
+  if (zero_at_corner) {
+    u.array() -= 1.0;
+  }
+  return u;
 }
 
 double Robot::motor_value(int motor, double s) const {

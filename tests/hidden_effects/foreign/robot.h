@@ -42,6 +42,8 @@ struct Robot {
   // Pose of a motor position by Newton's method.
   Eigen::VectorXd pose_of(const Eigen::VectorXd& s) const;
   double pose_value(int coordinate, double u) const;
+  // Pose in the unit of each coordinate, normalised: the inverse of pose_value.
+  Eigen::VectorXd normalised(const Eigen::VectorXd& values) const;
   double motor_value(int motor, double s) const;
 };
 
@@ -55,5 +57,18 @@ const std::vector<std::string>& reserved_robots();
 // three-axis robot with which one thing at a time is varied.
 Robot make_robot(const std::string& kind, int degree, double askew_rad, bool reference,
                  Random& random);
+
+// Bounds of the Jacobian of pose to motors (normalised units) that every robot of a data set keeps
+// in its whole stroke: its determinant as a share of the middle's, and its condition.
+inline constexpr double kLeastDeterminantShare = 0.2;
+inline constexpr double kLargestCondition = 20.0;
+
+// The robot is a machine: from the middle of the stroke one branch of poses leads to all its ends,
+// the Jacobian is far from singular on it, and pose_of finds it.
+//
+// Paths: straight in the motors, to the corners of the stroke and, up to three axes, to the middles
+// of its edges and faces. On them the bounds are a quarter narrower, so that they hold between the
+// paths too. No random number is drawn.
+bool regular_in_stroke(const Robot& robot);
 
 }  // namespace driftwise::foreign
