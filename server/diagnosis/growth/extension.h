@@ -160,6 +160,7 @@ class Extension {
   Misfit misfit() const;
   void leave_misfits(std::vector<std::string>& said);
   Result<void> place_instants();
+  Result<void> take_own_widths();
   Result<void> place_instant(std::size_t index, std::size_t value);
   Result<void> move_instant(std::size_t index, std::size_t value, double instant_s);
   void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);

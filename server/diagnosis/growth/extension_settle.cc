@@ -6,6 +6,7 @@
 
 #include "server/core/try.h"
 #include "server/diagnosis/answer/cancelled.h"
+#include "server/diagnosis/catalogue/linear_parameter.h"
 #include "server/diagnosis/growth/extension.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 
@@ -19,6 +20,9 @@ constexpr double kRivalCorrelation = 0.95;  // of fitted contributions, whitened
 constexpr double kFamilyCorrelation = 0.7;  // of a lag and a rate of one sensor in the baseline
 constexpr double kNoticed = 14;             // nobody is a rival who would not be noticed alone
 constexpr double kMisfit = 0.05;            // of the gain of the strongest
+constexpr double kOwnWidth = 1;             // in 2 ln L: one standard error
+constexpr double kSameWidth = 0.01;
+constexpr int kOwnWidthRounds = 4;
 
 double correlation(const Gain& a, const Gain& b) {
   double across = 0, aa = 0, bb = 0;
@@ -110,7 +114,45 @@ Result<std::vector<std::string>> Extension::settle() {
   update_noise();
   leave_misfits(said);
   DRIFTWISE_RETURN_IF_ERROR(place_instants());
+  DRIFTWISE_RETURN_IF_ERROR(take_own_widths());
   return said;
+}
+
+// A play is as wide as the step that it leaves at a reversal, and that is how far a move has to go
+// for it. Where all moves go farther the readings have the step alone, and any width of a grid
+// would do for the other.
+Result<void> Extension::take_own_widths() {
+  for (std::size_t i = 0; i < named_.size(); ++i) {
+    const Named& named = named_[i];
+    const Cause& cause = causes_[named.cause];
+    const bool of_angle = cause.linear == LinearParameter::width_arcsec;
+    if ((cause.linear != LinearParameter::width_nm && !of_angle) || named.terms.size() != 1 ||
+        named.terms.front().factors.size() > 1)
+      continue;
+    const auto acts = std::ranges::max_element(named.share);
+    const auto output = static_cast<std::size_t>(acts - named.share.begin());
+    if (problem_.outputs[output].unit != (of_angle ? "arcsec" : "nm")) continue;
+    if (tick_ && !tick_()) return cancelled();
+    const Ground here = ground(i, shapes_);
+    const auto gain = gain_of(here, cause, named.values, 0);
+    const double least = gain(named.values.front().parameter) - kOwnWidth;
+    for (int round = 0; round < kOwnWidthRounds; ++round) {
+      const Cell now = named.values.front();
+      const auto o = static_cast<Eigen::Index>(output);
+      const double amplitude =
+          here.amplitudes(named.learned, named.prior.typical, here.best_shape(o), o).mean[0];
+      const auto number = of_angle
+                              ? linear_number_of_angle(cause.linear, now.terms[0], now.parameter)
+                              : linear_number(cause.linear, now.terms[0], now.parameter);
+      const double width = std::abs(number.factor * amplitude);
+      if (!(width > 0) || std::abs(width - now.parameter) < kSameWidth * width ||
+          gain(width) < least)
+        break;
+      DRIFTWISE_RETURN_IF_ERROR(
+          set_values(named_[i], {{width, with_parameter(now.terms, width), now.weight}}));
+    }
+  }
+  return {};
 }
 
 // The rows that learn know a jump to be between two of them and no more. A held-out line of points

@@ -30,6 +30,29 @@ TEST(TwoJumps, AreBothNamedWhateverTheirSigns) {
   }
 }
 
+// Every move is far longer than the play: what the readings have is its step, so that the width
+// of the term is what the step says, and the term is served with it.
+TEST(APlayShorterThanEveryMove, HasTheWidthThatItsStepHas) {
+  for (const double play_mm : {60e-6, 300e-6}) {
+    EverydayAxis axis(3);
+    double behind_mm = axis.q_mm.front();  // what the motor pushes, within the play
+    for (std::size_t row = 0; row < EverydayAxis::kRows; ++row) {
+      const double q_mm = axis.q_mm[row];
+      behind_mm = std::clamp(behind_mm, q_mm - play_mm / 2, q_mm + play_mm / 2);
+      axis.x_mm[row] += behind_mm - q_mm;
+    }
+    const auto found = axis.diagnosed();
+    ASSERT_EQ(names_found(found).at(0), "backlash q1");
+    const auto& finding = found.findings.front();
+    ASSERT_EQ(finding.terms.size(), 1U);
+    const auto& call = std::get<effects::Call>(finding.terms.front().factors.front());
+    const double width_nm = call.parameters.front().value;
+    EXPECT_NEAR(width_nm, 1e6 * play_mm, 0.05e6 * play_mm);
+    ASSERT_EQ(finding.outputs.front().coefficients.size(), 1U);
+    EXPECT_NEAR(std::abs(finding.outputs.front().coefficients.front()), 1, 0.05);
+  }
+}
+
 // A block that was measured 600 nm off: the hour tells it, so that it is no tip's other side.
 TEST(ABlockOfRowsThatIsOff, HasTwoJumpsAndNoHysteresis) {
   EverydayAxis axis(2);
