@@ -58,7 +58,7 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, do
                                        const OutputsLikelihood& two_ln_likelihood);
 
 // Of the outputs by the baseline, least squares over the rows that learn, with noise of first order
-// (correlated from row to row), up to a constant.
+// (correlated from row to row and between the outputs), up to a constant.
 double two_ln_likelihood(const Problem& problem, const FreeLevel& level = {});
 
 struct OutlierRow {

@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -163,6 +164,7 @@ std::vector<std::size_t> frozen_rows(const Dataset& dataset, const DatasetColumn
   return rows;
 }
 
+constexpr double kRounding = 1e-9;        // of a variance
 constexpr std::size_t kLongestSpike = 5;  // rows
 constexpr double kFlat = 0.25;            // of a spike: how much its rows may differ
 
@@ -228,17 +230,25 @@ double two_ln_likelihood(const Problem& problem, const FreeLevel& level) {
     columns.rightCols(1)
         .bottomRows(columns.rows() - static_cast<Eigen::Index>(level.row))
         .setOnes();
-  double sum = 0;
-  for (const auto& output : problem.outputs) {
-    const Eigen::VectorXd left = rows_of(residuals(problem, output, columns), problem.learn);
-    const Eigen::Index n = left.size();
-    if (n < 3) continue;
+  const auto n = static_cast<Eigen::Index>(problem.learn.size());
+  if (n < 3) return 0;
+  Eigen::MatrixXd news(n - 1, static_cast<Eigen::Index>(problem.outputs.size()));
+  double two_ln = 0;
+  for (Eigen::Index o = 0; o < news.cols(); ++o) {
+    const Eigen::VectorXd left = rows_of(
+        residuals(problem, problem.outputs[static_cast<std::size_t>(o)], columns), problem.learn);
     // Slow noise is no evidence of a jump: of each row what its neighbour before does not predict.
     const auto before = left.head(n - 1), after = left.tail(n - 1);
     const double share = std::clamp(before.dot(after) / before.squaredNorm(), 0.0, 0.99);
-    sum -= static_cast<double>(n) * std::log((after - share * before).squaredNorm());
+    const Eigen::VectorXd own = after - share * before;
+    two_ln -= static_cast<double>(n) * std::log(own.squaredNorm());
+    news.col(o) = own.normalized();
   }
-  return sum;
+  // One noise behind all legs of a robot is one witness.
+  Eigen::MatrixXd correlation = news.transpose() * news;
+  correlation.diagonal().array() += kRounding;
+  const Eigen::VectorXd pivots = correlation.ldlt().vectorD();
+  return two_ln - static_cast<double>(n) * pivots.cwiseMax(kRounding).array().log().sum();
 }
 
 std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, double alpha,
