@@ -118,6 +118,14 @@ std::string axes_of(const Finding& finding) {
   return text;
 }
 
+// A cause that a thermometer, a force or another channel would show fits as well.
+bool follows_a_channel_as_well(const Finding& finding) {
+  constexpr std::array kOfChannels = {"thermal_", "refractive_", "force_", "activity_"};
+  return std::ranges::any_of(finding.indistinguishable_from, [&](const std::string& rival) {
+    return std::ranges::any_of(kOfChannels, [&](const char* of) { return rival.starts_with(of); });
+  });
+}
+
 std::string what(const Finding& finding) {
   std::string of = finding.subject;
   static const std::map<std::string, std::string> words = {
@@ -144,7 +152,7 @@ std::string what(const Finding& finding) {
       {"abbe_offset", "the beam misses the centre of rotation: the error goes with the tilts"},
       {"cosine_error", "the length of % shrinks with the tilt of its mirror"},
       {"refractive_index", "the air on the beam's way changes the length"},
-      {"instrument_drift", "the zero drifts steadily and nothing sensed explains it"},
+      {"instrument_drift", "the zero drifts steadily"},
       {"step_change", "a jump at one instant"},
       {"periodic_disturbance", "something periodic in time that no channel shows"},
       {"outliers", "isolated wrong rows, left out"},
@@ -160,7 +168,9 @@ std::string what(const Finding& finding) {
   std::string text = found == words.end() ? finding.cause + " of %" : found->second;
   if (finding.cause == "instrument_drift" && !finding.terms.empty() &&
       finding.terms.back().factors.size() > 1)
-    text = "the scale of % drifts steadily and nothing sensed explains it";
+    text = "the scale of % drifts steadily";
+  if (finding.cause == "instrument_drift" && !follows_a_channel_as_well(finding))
+    text += " and nothing sensed explains it";
   if (of.empty()) of = axes_of(finding);
   if (const auto at = text.find('%'); at != std::string::npos) text.replace(at, 1, of);
   return text;

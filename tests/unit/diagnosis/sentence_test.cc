@@ -53,6 +53,14 @@ TEST(Sentence, NamesTheScaleThatDriftsWhereSeveralAxesCould) {
   EXPECT_THAT(sentence(finding), testing::StartsWith("The scale of rx drifts"));
 }
 
+TEST(Sentence, DoesNotSayThatNothingSensedExplainsADriftThatAThermometerExplainsAsWell) {
+  Finding finding{.cause = "instrument_drift", .subject = "x"};
+  EXPECT_THAT(sentence(finding), testing::HasSubstr("nothing sensed explains it"));
+  finding.indistinguishable_from = {"thermal_expansion t05"};
+  EXPECT_THAT(sentence(finding), testing::Not(testing::HasSubstr("nothing sensed")));
+  EXPECT_THAT(sentence(finding), testing::HasSubstr("cannot tell it from thermal_expansion t05"));
+}
+
 TEST(Sentence, NamesThePeriodsThatThePlacesCannotTellFromIt) {
   Finding finding = with("period_nm", 125000);
   finding.parameters[0].aliases = {500e3, 83.3e3};
