@@ -23,6 +23,7 @@ struct StorageFailure {
 
 // What a SQLite result code means for the daemon, naming the file and what to do:
 //   full disk                         resource_exhausted  DISK_FULL
+//   a disk that became read-only      resource_exhausted  READ_ONLY
 //   the disk answers with an error    data_loss           DISK_ERROR
 //   damaged file, or no database      data_loss           DATABASE_DAMAGED
 //   another program holds the lock    failed_precondition DATABASE_LOCKED
