@@ -9,7 +9,7 @@
 namespace driftwise::access {
 namespace {
 
-// What to do, by a part of OpenSSL's sentence.
+// Remedies, by a part of OpenSSL's sentence.
 constexpr std::array<std::pair<const char*, const char*>, 6> kRemedies = {{
     {"certificate verify failed",
      "the client's certificate has ended, or another authority signed it: make one with "

@@ -32,7 +32,7 @@ double student_two_ln(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& varia
          (kFreedom + 1) * (1 + relative / (kFreedom * scale)).log().sum();
 }
 
-// What is left of the rows that learn, and how the motors follow the pose there.
+// Residuals of the rows that learn, and how the motors follow the pose there.
 struct Learned {
   std::vector<Eigen::MatrixXd> slopes;   // per row: outputs x coordinates
   std::vector<Eigen::MatrixXd> inverse;  // per row; of a singular pose: not finite
@@ -55,7 +55,7 @@ Eigen::VectorXd pose_spread(const Learned& at) {
   return spread;
 }
 
-// What generalised least squares of all motors together leaves, with this spread of the pose. A
+// Residuals of generalised least squares of all motors together, with this spread of the pose. A
 // noise of tilts that is a thousand times that of lengths is in every motor, and motor by motor the
 // fit's own error hides the lengths'.
 Eigen::MatrixXd left_by_all(const Learned& at, const Eigen::VectorXd& spread) {

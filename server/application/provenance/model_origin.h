@@ -1,5 +1,5 @@
 #pragma once
-// Where a model comes from, as far as serving it is concerned.
+// Origin of a model, as far as serving it is concerned.
 
 #include <optional>
 #include <string>

@@ -19,7 +19,8 @@ class SetupInUse {
   bool leaves_out(const DeviceDescription& device) const;
   // Every coordinate that it takes from this device may be out of range.
   bool may_lose(const std::string& device) const;
-  // What a second instrument confirms has a name of its own in everything that comes after it.
+  // A reading that a second instrument confirms has a name of its own in everything that comes
+  // after it.
   Reading under_confirming_names(Reading reading) const;
 
  private:

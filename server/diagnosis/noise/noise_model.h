@@ -27,7 +27,7 @@ struct Timeline {
   std::vector<char> restart;  // one per row; the first is 1
   Eigen::VectorXd sd;         // of each row's noise over the others'; empty: all alike
   // The same of each series by itself, over `sd`: rows x series, mean square 1; empty: all alike.
-  // What is drawn has it; whitening, one for all series, has not.
+  // Drawn series have it; whitening, one for all series, has not.
   Eigen::MatrixXd own_sd = {};
   // Of each row, how the series' noise hangs together where that changes from row to row: series x
   // independent numbers, each of its rows as long as `own_sd`. Empty: alike in all rows.

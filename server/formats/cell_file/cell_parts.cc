@@ -408,7 +408,7 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   return known;
 }
 
-// What is said of a robot, its tool above all, is part of what its motor coordinates mean. A cell's
+// Data of a robot, its tool above all, are part of what its motor coordinates mean. A cell's
 // only robot has an id in the text alone.
 void add_robots(const CellDescription& cell, CellParts& parts) {
   for (auto& [place, part] : parts)

@@ -1,6 +1,6 @@
 #pragma once
-// What a cell file says, defaults included, as text by place and key: what two of them are compared
-// by. Pure.
+// Contents of a cell file, defaults included, as text by place and key: what two of them are
+// compared by. Pure.
 
 #include <map>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// What gRPC and protobuf would write to the standard error stream. It goes to the debug level of
-// our log, but a TLS handshake that failed is a warning.
+// Lines that gRPC and protobuf would write to the standard error stream. They go to the debug level
+// of our log, but a TLS handshake that failed is a warning.
 
 #include <string>
 

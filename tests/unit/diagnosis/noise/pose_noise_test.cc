@@ -70,7 +70,7 @@ TEST(PoseNoise, IsNothingWhereTheNoiseIsTheMotors) {
   EXPECT_FALSE(pose_noise(laid_out(curved_robot(NoiseOf::motors))));
 }
 
-// Where nothing is hidden, and the noise of each motor goes with its own coordinate.
+// Nothing hidden, and noise of each motor that goes with its own coordinate.
 TEST(PoseNoise, IsNoStructureAndHasNoWrongRows) {
   const auto found = diagnosed(curved_robot(NoiseOf::pose), "q ~ poly(x, y, 2)");
   EXPECT_EQ(found.verdict, Verdict::adequate);

@@ -1,4 +1,4 @@
-// What a result code of SQLite and the system's error mean for the daemon.
+// Meaning of a result code of SQLite and of the system's error for the daemon.
 
 #include "storage/sqlite/failure.h"
 
