@@ -7,7 +7,6 @@
 #include "server/diagnosis/growth/omnibus.h"
 #include "server/diagnosis/noise/own_rows.h"
 #include "server/diagnosis/noise/tails.h"
-#include "server/diagnosis/pose_noise.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
@@ -71,22 +70,6 @@ std::vector<std::size_t> DataFaults::note_outliers(const std::vector<OutlierRow>
   known->parameters = {{"count", static_cast<double>(known->rows.size()), {}, {}}};
   known->sentence = sentence(*known);
   return rows;
-}
-
-void DataFaults::weigh_by_slopes() {
-  const auto noise = pose_noise(problem_);
-  if (!noise) return;
-  problem_.row_sd = noise->of_row;
-  problem_.own_sd = noise->own;
-  problem_.mixing = noise->mixing;
-  problem_.lay_blocks(kMostSearched);
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "the motors follow the pose differently from place to place, and their noise with "
-                "it: %.3g times as large at its largest as at its smallest (%s); every row counts "
-                "by its own",
-                noise->ratio, problem_.outputs[noise->output].channel.symbol.c_str());
-  result_.warnings.emplace_back(text);
 }
 
 bool DataFaults::note_gross_errors(const Ground& ground) {
@@ -207,10 +190,6 @@ bool DataFaults::tame_tails(const Extension& extension, const std::vector<NoiseS
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
     const WhitenedSpace& space = ground.space(ground.best_shape(o));
     own.push_back(own_rows(space, space.left_over(ground.series().col(o))));
-    if (const auto& sd = problem_.timeline.own_sd; sd.size() > 0) {
-      own.back().off.array() /= sd.col(o).array();
-      own.back().length.array() /= sd.col(o).array();
-    }
     tails.emplace_back(own.back().off.col(0));
   }
   const CommonTails common = common_tails(tails);

@@ -26,10 +26,6 @@ class DataFaults {
   void note_sensors(const std::vector<FaultySensor>& sensors);
   void leave_out_outliers();
 
-  // Before the search: every row by its noise where the motors follow the pose differently from
-  // place to place (pose_noise.h).
-  void weigh_by_slopes();
-
   // Asked where the search finds no further cause: smaller gross errors, and every row's own
   // spread, with the place and from an instant on. False: nothing of it.
   bool note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes);

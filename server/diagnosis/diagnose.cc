@@ -84,7 +84,6 @@ class Diagnoser {
     for (const auto& term : problem_.undetermined)
       result_.warnings.push_back(undetermined_note(problem_, term));
     faults_.leave_out_outliers();
-    faults_.weigh_by_slopes();
     auto excluded = options_.exclude_symbols;
     const auto outputs = problem_.output_symbols();
     for (const auto& column : problem_.data().columns)

@@ -127,7 +127,6 @@ Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<Nois
   const auto draw = [&] {
     Eigen::VectorXd independent(count);
     for (Eigen::Index o = 0; o < count; ++o) independent[o] = normal(random);
-    if (!timeline.mixing.empty()) return independent;
     return Eigen::VectorXd(mixing * independent);
   };
   Eigen::MatrixXd series(timeline.rows(), count);
@@ -135,7 +134,6 @@ Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<Nois
     for (Eigen::Index i = 0; i < timeline.rows(); ++i) series.row(i) = draw();
     for (Eigen::Index o = 0; o < count; ++o)
       Whitener(timeline, shapes[static_cast<std::size_t>(o)]).colour(series.col(o));
-    if (timeline.own_sd.size() > 0) series = series.cwiseProduct(timeline.own_sd);
     return series;
   }
   Eigen::VectorXd slow = Eigen::VectorXd::Zero(count);
@@ -150,13 +148,7 @@ Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<Nois
       series(i, o) = slow[o] + white[o];
     }
     if (timeline.sd.size() > 0) series.row(i) *= timeline.sd[i];
-    if (!timeline.mixing.empty())
-      series.row(i) = (timeline.mixing[static_cast<std::size_t>(i)] * series.row(i).transpose())
-                          .transpose()
-                          .eval();
   }
-  if (timeline.mixing.empty() && timeline.own_sd.size() > 0)
-    series = series.cwiseProduct(timeline.own_sd);
   return series;
 }
 

@@ -26,12 +26,6 @@ struct Timeline {
   Eigen::VectorXd time_s;     // not decreasing within a stretch
   std::vector<char> restart;  // one per row; the first is 1
   Eigen::VectorXd sd;         // of each row's noise over the others'; empty: all alike
-  // The same of each series by itself, over `sd`: rows x series, mean square 1; empty: all alike.
-  // Drawn series have it; whitening, one for all series, has not.
-  Eigen::MatrixXd own_sd = {};
-  // Of each row, how the series' noise hangs together where that changes from row to row: series x
-  // independent numbers, each of its rows as long as `own_sd`. Empty: alike in all rows.
-  std::vector<Eigen::MatrixXd> mixing = {};
   // Rows that are means of several readings, evenly over some time: how many, and from the first
   // to the last. Empty: of one each. A mean of correlated noise hangs together with the next more
   // than an instant does, and is itself calmer.
@@ -61,9 +55,8 @@ class Whitener {
 // between one and a half typical steps and a quarter of the data's length.
 std::vector<NoiseShape> noise_grid(const Timeline& timeline);
 
-// Several series at once, rows x n, white standard deviation 1 in the mean; mixing: n x n, how the
-// series' random numbers hang together (mixing mixing' is their correlation); not read where the
-// timeline has one of each row.
+// Several series at once, rows x n, white standard deviation 1; mixing: n x n, how the series'
+// random numbers hang together (mixing mixing' is their correlation).
 Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
                                 const Eigen::MatrixXd& mixing, std::mt19937_64& random);
 

@@ -278,9 +278,8 @@ Result<void> solve_for_pose(Problem& problem, const Eigen::MatrixXd& at_measured
       DRIFTWISE_TRY(const auto there, motors_at(problem, coefficients));
       slopes.emplace_back((there - here) / step);
     }
-    problem.slopes.assign(readings.rows, Eigen::MatrixXd(size, size));
     for (Eigen::Index row = 0; row < rows; ++row) {
-      Eigen::MatrixXd& slope = problem.slopes[static_cast<std::size_t>(row)];
+      Eigen::MatrixXd slope(size, size);
       for (Eigen::Index k = 0; k < size; ++k)
         slope.col(k) = slopes[static_cast<std::size_t>(k)].row(row).transpose();
       const Eigen::VectorXd by =

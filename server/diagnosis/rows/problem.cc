@@ -371,9 +371,6 @@ void Problem::lay_blocks(std::size_t longest) {
     timeline.span_s = Eigen::Map<const Eigen::VectorXd>(lasts.data(), blocks) -
                       Eigen::Map<const Eigen::VectorXd>(firsts.data(), blocks);
   }
-  if (own_sd.size() > 0) timeline.own_sd = learned(own_sd.cwiseAbs2()).cwiseSqrt();
-  if (rows_per_block == 1 && !mixing.empty())
-    for (const std::size_t row : learn) timeline.mixing.push_back(mixing[row]);
   if (row_sd.size() == 0) return;
   timeline.sd.resize(timeline.time_s.size());
   for (std::size_t b = 0; b < times.size(); ++b)

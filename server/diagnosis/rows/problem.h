@@ -55,11 +55,6 @@ struct Problem {
   std::vector<std::size_t> block_of;  // of each learning row
   Timeline timeline;                  // of the blocks
   Eigen::VectorXd row_sd;  // of every dataset row's noise over the others'; empty: all alike
-  Eigen::MatrixXd own_sd;  // the same by output, over row_sd: every row x outputs (Timeline)
-  std::vector<Eigen::MatrixXd> mixing;  // of every row (Timeline); left out of averages
-  // Of the baseline's motors along each pose coordinate, where the pose was solved for
-  // (solve_for_pose): of every row, outputs x coordinates.
-  std::vector<Eigen::MatrixXd> slopes;
   std::vector<ProblemOutput> outputs;
   std::vector<effects::Term> base;          // the constant and further datums first
   Eigen::MatrixXd base_columns;             // every row of the dataset, raw, at the predicted pose

@@ -207,8 +207,6 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
     const WhitenedSpace& space = ground.space(ground.best_shape(o));
     left_of.emplace_back(own_rows(space, space.left_over(ground.series().col(o))).off);
-    if (const auto& sd = problem.timeline.own_sd; sd.size() > 0)
-      left_of.back().array() /= sd.col(o).array();
     tails.emplace_back(left_of.back());
   }
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
