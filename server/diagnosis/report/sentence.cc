@@ -200,7 +200,9 @@ std::string sentence(const FaultySensor& sensor) {
                                    "changed; the readings are left as they are."
               : !sensor.named ? ", and others change there a little or there is none: the room may "
                                 "have done it, or the sensor; the readings are left as they are."
-              : sensor.mended ? " and no other does: the jump is taken out."
+              : sensor.others_change ? ", by more than others change there foretells: the jump is "
+                                       "taken out."
+              : sensor.mended        ? " and no other does: the jump is taken out."
                               : " and no other does: no part warms so; the readings are left as "
                                 "they are, for the outputs do not say.");
     case SensorFault::swapped:

@@ -180,6 +180,9 @@ std::optional<FaultySensor> JumpWitnesses::jump(std::size_t sensor, std::size_t 
   // A free level can do all that a mended reading does, but for what smoothing makes of the jump.
   const bool mended = std::min(gain, free) >= kEvidence;
   if (!mended && !by_readings_alone) return {};
+  const bool stands = stands_alone(sensors_, sensor, row);
+  const bool others_change = !stands && sensors_.size() > 1;
+  if (!by_readings_alone && others_change) return {};  // the room moved several of them
   const double resolution = resolution_of(readings);
   const double at_row =
       std::max(chance_at_row(readings, row, resolution), chance_at_row(beyond, row, resolution));
@@ -196,7 +199,8 @@ std::optional<FaultySensor> JumpWitnesses::jump(std::size_t sensor, std::size_t 
                      size,
                      mended,
                      of_both(chance_of_as_many(at_row, 1, values.size()), by_outputs(gain)),
-                     mended || stands_alone(sensors_, sensor, row)};
+                     mended || stands};
+  fault.others_change = others_change;
   const auto is_real = [&]() -> std::optional<FaultySensor> {
     values = readings;
     if (!by_readings_alone) return {};

@@ -22,6 +22,9 @@ struct FaultySensor {
   double p = 1;
   bool named = true;         // false: told only, it may be real
   bool is_followed = false;  // a jump that the outputs follow: told only, it is real
+  // At the row of a jump other thermometers change beyond their noise; false too where there are
+  // none.
+  bool others_change = false;
 };
 
 // A level of every output from one row of the dataset on, free beside the baseline.

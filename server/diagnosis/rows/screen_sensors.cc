@@ -270,12 +270,13 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, do
     }
     if (!spiked.empty())
       found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0, true, p_spiked});
-    sensors.push_back({&column, 0, {}, {}});
+    const double usual = std::max(usual_change(column.values), resolution_of(column.values));
+    sensors.push_back({&column, usual, {}, {}});
   }
   std::vector<std::vector<double>> beyond;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
     beyond.push_back(beyond_the_others(sensors, s));
-    find_jumps(sensors[s], beyond[s], dataset);
+    find_jumps(sensors[s], beyond[s], usual_beside_others(sensors, s, beyond[s]), dataset);
   }
   JumpWitnesses witnesses(dataset, sensors, beyond, outputs, alpha, two_ln_likelihood);
   for (std::size_t s = 0; s < sensors.size(); ++s) {

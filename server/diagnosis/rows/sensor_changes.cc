@@ -13,8 +13,10 @@ constexpr std::size_t kNeighbours = 4;     // rows to either side that tell the 
 constexpr double kRamp = 0.25;             // of a jump, within a few rows after it
 constexpr std::size_t kMostSuspects = 16;  // per sensor, the largest
 constexpr std::size_t kRowsPerSensor = 10;
-constexpr double kRounded = 0.41;  // standard deviation of the change of two rounded values, steps
-constexpr std::size_t kSpan = 3;   // rows of a change that foretells: more than the readings' steps
+constexpr double kRounded = 0.41;   // standard deviation of the change of two rounded values, steps
+constexpr std::size_t kAlike = 30;  // rows that tell what is usual beside such a change
+constexpr double kLouder = 1.5;     // times the usual: 30 rows know a spread to 13 %
+constexpr std::size_t kSpan = 3;  // rows of a change that foretells: more than the readings' steps
 
 // The usual change from row to row about this row: a room that warms takes all rows along.
 double trend_about(const std::vector<double>& v, std::size_t row) {
@@ -131,7 +133,39 @@ double chance_at_row(const std::vector<double>& v, std::size_t row, double resol
   return student_law(others, resolution).beyond(own_change(v, row));
 }
 
-void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset& dataset) {
+std::vector<double> usual_beside_others(const std::vector<Sensor>& sensors, std::size_t sensor,
+                                        const std::vector<double>& beyond) {
+  const double usual = usual_change(beyond);
+  std::vector<double> result(beyond.size(), usual);
+  struct Row {
+    std::size_t at;
+    double others, own;  // others: root mean square of their changes over the usual ones
+  };
+  std::vector<Row> rows;
+  for (std::size_t i = 1; i < beyond.size(); ++i) {
+    double sum = 0, count = 0;
+    for (std::size_t other = 0; other < sensors.size(); ++other)
+      if (other != sensor && sensors[other].usual > 0)
+        sum += std::pow(own_change(sensors[other].column->values, i) / sensors[other].usual, 2),
+            ++count;
+    const double own = own_change(beyond, i);
+    if (count > 0 && std::isfinite(sum) && std::isfinite(own))
+      rows.push_back({i, std::sqrt(sum / count), own});
+  }
+  if (rows.size() < 2 * kAlike) return result;
+  std::ranges::stable_sort(rows, {}, &Row::others);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::size_t first = std::min(k > kAlike / 2 ? k - kAlike / 2 : 0, rows.size() - kAlike);
+    std::vector<double> alike;
+    for (std::size_t j = first; j < first + kAlike; ++j)
+      if (j != k) alike.push_back(rows[j].own);
+    if (const double here = spread_near(alike); here > kLouder * usual) result[rows[k].at] = here;
+  }
+  return result;
+}
+
+void find_jumps(Sensor& sensor, const std::vector<double>& beyond,
+                const std::vector<double>& usual_beside, const Dataset& dataset) {
   const auto& time_s = dataset.time_s;
   const auto begins = [](const std::vector<std::int64_t>& of, std::size_t i) {
     return !of.empty() && of[i] != of[i - 1];
@@ -141,10 +175,7 @@ void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset
   for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
   // Of values in steps of 0.01 K most do not change: that says nothing of a ramp of one step a row.
   const double resolution = resolution_of(v);
-  sensor.usual = std::max(usual_change(v), resolution);
   const double step_s = median(steps);
-  const double usual = std::max(usual_change(beyond), resolution);
-  const double unsure = std::max(usual_change(beyond), kRounded * resolution);
   const auto stands_out = [&](std::size_t i, double least) {
     return std::abs(own_change(beyond, i)) > least && std::abs(own_change(v, i)) > least / 2 &&
            std::abs(level_change(beyond, i)) > 0.7 * least;
@@ -152,9 +183,10 @@ void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset
   for (std::size_t i = kWindow; i + kWindow < v.size(); ++i) {
     if (!time_s.empty() && time_s[i] - time_s[i - 1] > 3 * step_s) continue;  // it had the time
     if (begins(dataset.run, i) || begins(dataset.datum, i)) continue;         // likewise
-    if (stands_out(i, std::max(kFarOffSensor * usual, kSmallest_k)))
+    const double usual = usual_beside[i];
+    if (stands_out(i, std::max(kFarOffSensor * std::max(usual, resolution), kSmallest_k)))
       sensor.jumps.push_back(i);
-    else if (stands_out(i, kMoves * unsure))
+    else if (stands_out(i, kMoves * std::max(usual, kRounded * resolution)))
       sensor.suspects.push_back(i);
   }
   std::ranges::stable_sort(sensor.suspects, std::ranges::greater{},

@@ -58,7 +58,15 @@ double usual_change(const std::vector<double>& v);
 // Chance of a change as large as that at this row, there, by Student's law of the other changes.
 double chance_at_row(const std::vector<double>& v, std::size_t row, double resolution);
 
-// Sets jumps, suspects and the usual change. beyond: of beyond_the_others().
-void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset& dataset);
+// Standard deviation of own_change() of `beyond`, one per row, at rows where the others move about
+// as much as at this one, where that is clearly more than over all rows, which it is else, K. What
+// the others foretell is worse where a room moves at once: thermometers follow it with different
+// delays. sensors: with their usual changes.
+std::vector<double> usual_beside_others(const std::vector<Sensor>& sensors, std::size_t sensor,
+                                        const std::vector<double>& beyond);
+
+// Sets jumps and suspects. beyond: of beyond_the_others(); usual_beside: of usual_beside_others().
+void find_jumps(Sensor& sensor, const std::vector<double>& beyond,
+                const std::vector<double>& usual_beside, const Dataset& dataset);
 
 }  // namespace driftwise::diagnosis
