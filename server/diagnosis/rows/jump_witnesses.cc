@@ -178,7 +178,9 @@ std::optional<FaultySensor> JumpWitnesses::jump(std::size_t sensor, std::size_t 
   values = readings;
   const double free = two_ln_likelihood_(dataset_, {row, 0, true}) - as_read;
   // A free level can do all that a mended reading does, but for what smoothing makes of the jump.
-  const bool mended = std::min(gain, free) >= kEvidence;
+  // It starts from a baseline that the jump has spoilt, so that of a jump which the readings show
+  // it is not asked.
+  const bool mended = (by_readings_alone ? gain : std::min(gain, free)) >= kEvidence;
   if (!mended && !by_readings_alone) return {};
   const bool stands = stands_alone(sensors_, sensor, row);
   const bool others_change = !stands && sensors_.size() > 1;

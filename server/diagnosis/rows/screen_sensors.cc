@@ -168,13 +168,46 @@ constexpr double kRounding = 1e-9;        // of a variance
 constexpr std::size_t kLongestSpike = 5;  // rows
 constexpr double kFlat = 0.25;            // of a spike: how much its rows may differ
 
+// Of the first of `count` rows: how far its value lies off the mean of the ones before and after.
+double off_the_neighbours(const std::vector<double>& v, std::size_t first, std::size_t count) {
+  return v[first] - (v[first - 1] + v[first + count]) / 2;
+}
+
+// The same of every row by itself; 0 at the ends.
+std::vector<double> off_the_neighbours(const std::vector<double>& v) {
+  std::vector<double> apart(v.size(), 0);
+  for (std::size_t i = 1; i + 1 < v.size(); ++i) apart[i] = off_the_neighbours(v, i, 1);
+  return apart;
+}
+
+// Does another thermometer leave the values before and after these rows the same way, beyond its
+// noise, and is that no more than the temperature otherwise moves by? Then the room did: rows that
+// lie minutes apart see a door once.
+bool room_left_too(const Dataset& dataset, const DatasetColumn& column, std::size_t first,
+                   std::size_t count) {
+  const auto& own = column.values;
+  const double off = off_the_neighbours(own, first, count);
+  double lowest = INFINITY, highest = -INFINITY;
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (std::isfinite(own[i]) && (i < first || i >= first + count))
+      lowest = std::min(lowest, own[i]), highest = std::max(highest, own[i]);
+  if (!(std::abs(off) < highest - lowest)) return false;
+  return std::ranges::any_of(dataset.columns, [&](const DatasetColumn& other) {
+    if (&other == &column || !is_structure_temperature(other.channel)) return false;
+    const double theirs = off_the_neighbours(other.values, first, count);
+    const double usual =
+        std::max(robust_sd(off_the_neighbours(other.values)), resolution_of(other.values));
+    return theirs * off > 0 && std::abs(theirs) > kMoves * usual;
+  });
+}
+
 // Of single values, and of runs of them, that lie off the one before and the one after, which
 // agree; p: of as many as these. A run is level and no pause lies at its ends: where a room warms
 // while the robot rests, temperatures come back along a ramp.
-std::vector<std::size_t> spiked_rows(const std::vector<double>& v,
+std::vector<std::size_t> spiked_rows(const Dataset& dataset, const DatasetColumn& column,
                                      const std::vector<char>& after_a_pause, double& p) {
-  std::vector<double> apart(v.size(), 0);
-  for (std::size_t i = 1; i + 1 < v.size(); ++i) apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
+  const std::vector<double>& v = column.values;
+  const std::vector<double> apart = off_the_neighbours(v);
   const double usual = std::max(robust_sd(apart), resolution_of(v));
   const double least = std::max(kFarOffSensor * usual, kSmallest_k);
   std::vector<std::size_t> rows;
@@ -182,7 +215,7 @@ std::vector<std::size_t> spiked_rows(const std::vector<double>& v,
   double nearest = INFINITY;
   const auto is_spike = [&](std::size_t first, std::size_t count) {
     const double before = v[first - 1], after = v[first + count], beside = (before + after) / 2;
-    const double own = v[first] - beside;
+    const double own = off_the_neighbours(v, first, count);
     if (count > 1 && (after_a_pause[first] != 0 || after_a_pause[first + count] != 0)) return false;
     for (std::size_t k = first; k < first + count; ++k)
       if (!(std::abs(v[k] - beside) > least) ||
@@ -194,7 +227,7 @@ std::vector<std::size_t> spiked_rows(const std::vector<double>& v,
   };
   for (std::size_t i = 1; i + 1 < v.size(); ++i)
     for (std::size_t count = 1; count <= kLongestSpike && i + count < v.size(); ++count) {
-      if (!is_spike(i, count)) continue;
+      if (!is_spike(i, count) || room_left_too(dataset, column, i, count)) continue;
       const double beside = (v[i - 1] + v[i + count]) / 2;
       for (std::size_t k = i - 1; k <= i + count; ++k) tells[k] = 0;
       for (std::size_t k = i; k < i + count; ++k) {
@@ -261,7 +294,7 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, do
     if (!is_structure_temperature(column.channel)) continue;
     const auto frozen = frozen_rows(dataset, column);
     double p_spiked = 1, p_frozen = 1;
-    const auto spiked = spiked_rows(column.values, pauses, p_spiked);
+    const auto spiked = spiked_rows(dataset, column, pauses, p_spiked);
     for (const auto* rows : {&frozen, &spiked})
       for (const std::size_t row : *rows) column.values[row] = kMissing;
     if (!frozen.empty()) {

@@ -13,6 +13,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 std::vector<std::size_t> wrong_rows(const Diagnosis& found) {
   for (const auto& finding : found.findings)
@@ -32,6 +33,29 @@ TEST(AThermometer, ThatIsOffForFiveRowsHasAFault) {
   EverydayAxis axis(2);
   for (std::size_t row = 250; row < 255; ++row) axis.t01_degC[row] += 1;
   EXPECT_THAT(names_found(axis.diagnosed()), ElementsAre("sensor_fault t01"));
+}
+
+// A door of a few seconds, seen once by rows that lie a minute apart, and twice as well by the
+// thermometer that is nearer.
+TEST(Thermometers, ThatLeaveTogetherForARowAreLeftAsTheyAre) {
+  EverydayAxis axis(4);
+  Dataset data = axis.dataset();
+  data.columns.push_back({{"t02", "degC"}, axis.t01_degC});
+  data.columns[2].values[250] -= 0.1;
+  data.columns[3].values[250] -= 0.05;
+  const auto found = diagnosed(data, "q1 ~ x + x^2 + T");
+  EXPECT_THAT(found.warnings, Not(Contains(HasSubstr("far off"))));
+}
+
+// No room does that, though both do.
+TEST(Thermometers, ThatAreLostToZeroTogetherAreLeftOut) {
+  EverydayAxis axis(5);
+  Dataset data = axis.dataset();
+  data.columns.push_back({{"t02", "degC"}, axis.t01_degC});
+  data.columns[2].values[250] = data.columns[3].values[250] = 0;
+  const auto found = diagnosed(data, "q1 ~ x + x^2 + T");
+  EXPECT_THAT(found.warnings, Contains(HasSubstr("t01 gives 1 value far off its neighbours")));
+  EXPECT_THAT(found.warnings, Contains(HasSubstr("t02 gives 1 value far off its neighbours")));
 }
 
 TEST(AReadingLostToZero, IsAWrongRowAndBendsNothingElse) {
