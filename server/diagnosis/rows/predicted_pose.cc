@@ -22,6 +22,9 @@ constexpr std::size_t kFewestToRepeat = 4;
 constexpr double kFewOf = 0.5;       // different values over rows
 constexpr double kOnLattice = 1e-9;  // of the range
 constexpr double kMostSites = 1e5;   // of a lattice that says something
+constexpr double kSitesTaken = 0.1;  // of a lattice, by a reading in fine steps
+constexpr double kNear = 0.1;        // of its values, that the noise does not tell from the next
+constexpr double kToldApart = 3;     // standard deviations of the noise
 
 struct Scaled {
   const std::vector<double>* values;
@@ -102,6 +105,23 @@ bool repeats_exactly(const std::vector<double>& values) {
   return spacing > 0 && range < kMostSites * spacing;
 }
 
+bool is_read_in_steps(const std::vector<double>& values, double noise) {
+  std::vector<double> sorted;
+  for (const double value : values)
+    if (std::isfinite(value)) sorted.push_back(value);
+  std::ranges::sort(sorted);
+  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+  if (sorted.size() < kFewestToRepeat) return false;
+  const double range = sorted.back() - sorted.front();
+  const double spacing = lattice_spacing(sorted, kOnLattice * range);
+  const auto count = static_cast<double>(sorted.size());
+  if (!(spacing > 0) || count > kSitesTaken * range / spacing) return false;
+  double near = 0;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    near += sorted[i] - sorted[i - 1] < kToldApart * noise ? 1 : 0;
+  return near > kNear * (count - 1);
+}
+
 std::size_t different_places(const std::vector<const std::vector<double>*>& coordinates) {
   if (coordinates.empty()) return 0;
   std::set<std::vector<double>> places;
@@ -114,14 +134,32 @@ std::size_t different_places(const std::vector<const std::vector<double>*>& coor
   return places.size();
 }
 
-bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values) {
-  if (dataset.datum.empty()) return repeats_exactly(values);
+namespace {
+
+// Values within each datum that has enough rows; all of them where there are no datums.
+std::vector<std::vector<double>> within_datums(const Dataset& dataset,
+                                               const std::vector<double>& values) {
+  if (dataset.datum.empty()) return {values};
   std::map<std::int64_t, std::vector<double>> of_datum;
   for (std::size_t row = 0; row < values.size(); ++row)
     if (std::isfinite(values[row])) of_datum[dataset.datum[row]].push_back(values[row]);
-  std::erase_if(of_datum, [](const auto& one) { return one.second.size() < kFewestToRepeat; });
-  return !of_datum.empty() &&
-         std::ranges::all_of(of_datum, [](const auto& one) { return repeats_exactly(one.second); });
+  std::vector<std::vector<double>> result;
+  for (auto& [datum, some] : of_datum)
+    if (some.size() >= kFewestToRepeat) result.push_back(std::move(some));
+  return result;
+}
+
+}  // namespace
+
+bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values) {
+  const auto datums = within_datums(dataset, values);
+  return !datums.empty() &&
+         std::ranges::all_of(datums, [](const auto& one) { return repeats_exactly(one); });
+}
+
+bool is_read_in_steps(const Dataset& dataset, const std::vector<double>& values, double noise) {
+  return std::ranges::any_of(within_datums(dataset, values),
+                             [noise](const auto& one) { return is_read_in_steps(one, noise); });
 }
 
 std::optional<std::vector<double>> predicted_coordinate(const Dataset& dataset,

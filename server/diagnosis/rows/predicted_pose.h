@@ -21,6 +21,14 @@ bool repeats_exactly(const std::vector<double>& values);
 // one's frame, and a plan that was computed then repeats within a datum only.
 bool repeats_exactly(const Dataset& dataset, const std::vector<double>& values);
 
+// Is a coordinate on a lattice the reading of a display in fine steps, and no plan? It takes few of
+// the lattice's sites, and values follow one another within the noise: no plan sends a machine to
+// two places that the machine cannot tell apart. noise: standard deviation of the reading, in its
+// unit.
+bool is_read_in_steps(const std::vector<double>& values, double noise);
+// The same within a datum, as above.
+bool is_read_in_steps(const Dataset& dataset, const std::vector<double>& values, double noise);
+
 // Number of different places of these coordinates, one value per row each. Rows that lack a value
 // do not count.
 std::size_t different_places(const std::vector<const std::vector<double>*>& coordinates);

@@ -178,19 +178,46 @@ bool reads(const std::vector<effects::Term>& terms, const std::string& symbol) {
   });
 }
 
+double spread_of(const Eigen::VectorXd& values) {
+  return (values.array() - values.mean()).matrix().norm();
+}
+
+// Largest part of a motor's spread that the baseline leaves at the measured pose.
+double share_left(const Problem& problem) {
+  double share = 0;
+  for (const auto& output : problem.outputs) {
+    if (!is_motor_symbol(output.channel.symbol)) continue;
+    const Eigen::VectorXd left =
+        rows_of(residuals(problem, output, problem.base_columns), problem.learn);
+    const double spread = spread_of(rows_of(output.measured, problem.learn));
+    if (spread > 0) share = std::max(share, left.norm() / spread);
+  }
+  return share;
+}
+
+// Noise of a pose coordinate that would leave as much, in its unit.
+double noise_of(const Problem& problem, const std::vector<double>& values, double share) {
+  const Eigen::VectorXd learned = rows_of(
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())),
+      problem.learn);
+  return share * spread_of(learned) / std::sqrt(static_cast<double>(problem.learn.size()));
+}
+
 // Of the two readings of a position, motor and pose, one has the noise. Where the pose repeats
 // itself exactly and the motors do not, it is the motors': their path is what the baseline predicts
 // from the pose. A coarse display repeats itself too, in more places than were commanded.
 // Everywhere else the pose is what the motors predict.
 bool motors_were_measured(const Problem& problem) {
   const Dataset& data = problem.data();
+  const double share = share_left(problem);
   bool motors_repeat = true;
   std::vector<const std::vector<double>*> motors, pose;  // that repeat, of the pose
   for (const auto& column : data.columns) {
     if (is_motor_symbol(column.channel.symbol)) {
       motors_repeat = motors_repeat && repeats_exactly(data, column.values);
       motors.push_back(&column.values);
-    } else if (is_coordinate(problem, column.channel) && repeats_exactly(data, column.values)) {
+    } else if (is_coordinate(problem, column.channel) && repeats_exactly(data, column.values) &&
+               !is_read_in_steps(data, column.values, noise_of(problem, column.values, share))) {
       pose.push_back(&column.values);
     }
   }
@@ -219,8 +246,7 @@ bool predict_coordinates(Problem& problem) {
   for (const auto& output : problem.outputs) {
     if (!is_motor_symbol(output.channel.symbol)) continue;
     const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
-    const Eigen::VectorXd learned = rows_of(output.measured, problem.learn);
-    const double spread = (learned.array() - learned.mean()).matrix().norm();
+    const double spread = spread_of(rows_of(output.measured, problem.learn));
     if (!(rows_of(left, problem.learn).norm() < kKnown * spread)) continue;
     const auto measured = problem.data().values_of(output.channel.symbol);
     std::vector<double> path(measured.begin(), measured.end());

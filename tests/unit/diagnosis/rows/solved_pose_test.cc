@@ -75,5 +75,67 @@ TEST(PredictedPose, IsNotTheOneOfABaselineThatLacksTheCurvature) {
                    rms(*polynomial, robot.x_mm));
 }
 
+// Places that an operator typed in thousandths of 4.271 mm, 13.5 half wavelengths of a laser apart,
+// a servo that comes to rest within 20 nm of them, and a pose of 25 nm noise on a display of 41.5
+// nm, which shows values again and again.
+Dataset typed_places_and_a_display(unsigned seed) {
+  constexpr double kGrid_mm = 4.271e-3, kDisplay_mm = 41.4755e-6;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> places, q1, x, t01;
+  for (int k = 0; k < 40; ++k)
+    places.push_back(kGrid_mm * (static_cast<double>(random() % 200) - 100));
+  Dataset data;
+  for (int row = 0; row < 90; ++row) {
+    const double warm_k = 0.5 * std::sin(row / 14.0) + 1e-3 * normal(random);
+    q1.push_back(places[random() % places.size()] + 20e-6 * normal(random));
+    t01.push_back(20 + warm_k);
+    const double pose = q1.back() + 400e-6 * warm_k + 25e-6 * normal(random);
+    x.push_back(kDisplay_mm * std::round(pose / kDisplay_mm));
+    data.time_s.push_back(60.0 * row);
+  }
+  data.rows = q1.size();
+  data.columns = {{{"q1", "mm"}, q1}, {{"x", "mm"}, x}, {{"t01", "degC"}, t01}};
+  return data;
+}
+
+// Waves along q1 then go with q1 as it was read: with what the baseline predicts of it from the
+// display they would go with the display's noise.
+TEST(ADisplayInFineSteps, IsNoPlanThatTheMachineWasSentBy) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const Dataset data = typed_places_and_a_display(seed);
+    EXPECT_TRUE(is_read_in_steps(data.columns[1].values, 25e-6)) << "seed " << seed;
+    const auto problem =
+        lay_out(data, *formats::Formula::parse("q1 ~ x + T")->expand(data), kMostSearched);
+    ASSERT_TRUE(problem);
+    const auto phase = problem->prepared.phase_values("q1");
+    for (std::size_t row = 0; row < data.rows; ++row)
+      EXPECT_NEAR(phase[row], data.columns[0].values[row], 100e-6) << "seed " << seed;
+    EXPECT_LT(rms(phase, data.columns[0].values), 20e-6) << "seed " << seed;
+  }
+}
+
+// Rows of a further datum are moved to the first one's frame, by less than the noise here.
+TEST(APlan, OfTwoDatumsIsNoDisplay) {
+  Dataset data;
+  std::vector<double> x;
+  for (int row = 0; row < 400; ++row) {
+    data.datum.push_back(row / 200);
+    x.push_back(0.012 * (row * 309 % 500) + (row < 200 ? 0 : 20e-6));
+  }
+  data.rows = x.size();
+  EXPECT_FALSE(is_read_in_steps(data, x, 25e-6));
+}
+
+TEST(APlan, IsNoDisplay) {
+  std::vector<double> lattice, fine;
+  for (int k = 0; k < 200; ++k) {
+    lattice.push_back(0.1 * (k % 18));
+    fine.push_back(1e-5 * k);
+  }
+  EXPECT_FALSE(is_read_in_steps(lattice, 25e-6));
+  EXPECT_FALSE(is_read_in_steps(fine, 25e-6));  // nearer than the noise, but none left out
+}
+
 }  // namespace
 }  // namespace driftwise::diagnosis
