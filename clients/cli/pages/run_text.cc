@@ -92,7 +92,6 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
   if (has_setups) columns.insert(columns.begin() + 2, {"set-up"});
   Table table(std::move(columns));
   for (const auto& run : runs) {
-    const bool began = run.has_start_time(), ended = began && run.has_end_time();
     std::vector<std::string> row = {
         std::to_string(run.id()),
         run.name(),
@@ -100,8 +99,8 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
         std::to_string(run.accepted_count()) + "/" + std::to_string(run.row_count()),
         std::to_string(run.given_up_count()),
         std::to_string(run.attempt_count()),
-        began ? clock_text(run.start_time()) : "-",
-        ended ? span_text(seconds_between(run.start_time(), run.end_time())) : "-",
+        run.has_start_time() ? clock_text(run.start_time()) : "-",
+        run.has_elapsed_duration() ? span_text(seconds_of(run.elapsed_duration())) : "-",
         !run.compensated()              ? "no"
         : run.has_compensate_plan_id()  ? "plan " + std::to_string(run.compensate_plan_id())
         : run.has_compensate_model_id() ? "model " + std::to_string(run.compensate_model_id())
@@ -137,9 +136,9 @@ void print_run(const Console& console, const v1::Run& run) {
   if (run.has_start_time()) line("started", clock_text(run.start_time()) + " UTC");
   if (run.has_end_time())
     line("ended", clock_text(run.end_time()) + " UTC" +
-                      (run.has_start_time() ? ", after " + span_text(seconds_between(
-                                                               run.start_time(), run.end_time()))
-                                            : ""));
+                      (run.has_elapsed_duration()
+                           ? ", after " + span_text(seconds_of(run.elapsed_duration()))
+                           : ""));
   if (run.restart_count() > 0) line("restarts", std::to_string(run.restart_count()));
   line("largest lag", span_text(seconds_of(run.max_lag_duration())) + " of cell time");
   line("cell file",

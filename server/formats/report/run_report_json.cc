@@ -24,6 +24,12 @@ std::string packed_of(const std::vector<PointRecord>& points, Value value) {
   return packed(values);
 }
 
+// Cell time: nobody sets it, as somebody may have set the clock that "start" and "end" are from.
+Json elapsed_s_json(const RunRecord& run) {
+  if (run.started.utc_ns == 0 || run.ended.utc_ns == 0) return nullptr;
+  return seconds_from(run.ended - run.started);
+}
+
 Json run_json(const RunReport& report) {
   const auto& run = report.run;
   Json metadata = Json::object();
@@ -36,6 +42,7 @@ Json run_json(const RunReport& report) {
           {"operator", run.operator_name},
           {"start", report_time(report, run.started)},
           {"end", report_time(report, run.ended)},
+          {"elapsed_s", elapsed_s_json(run)},
           {"rows", run.rows},
           {"accepted", run.accepted},
           {"given_up", run.given_up},

@@ -109,6 +109,8 @@ v1::Run run_from(const RunRecord& run) {
   *out.mutable_create_time() = timestamp_from(run.created);
   if (run.started.utc_ns != 0) *out.mutable_start_time() = timestamp_from(run.started);
   if (run.ended.utc_ns != 0) *out.mutable_end_time() = timestamp_from(run.ended);
+  if (run.started.utc_ns != 0 && run.ended.utc_ns != 0)
+    *out.mutable_elapsed_duration() = duration_from(run.ended - run.started);
   out.set_row_count(run.rows);
   out.set_next_row(run.place.next_row);
   out.set_requeued_count(static_cast<std::int64_t>(run.place.requeued.size()));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -52,6 +53,15 @@ std::vector<double> times_s(const std::string& csv) {
   return values;
 }
 
+// "3 min 05 s"
+std::string minutes_text(double seconds) {
+  EXPECT_GE(seconds, 60);
+  EXPECT_LT(seconds, 3600);
+  const auto whole = std::llround(seconds);
+  const auto rest = std::to_string(whole % 60);
+  return std::to_string(whole / 60) + " min " + (rest.size() < 2 ? "0" : "") + rest + " s";
+}
+
 struct ClockSteps {
   const char* name;
   std::vector<int> ahead_s;  // one after another, each after some points
@@ -90,10 +100,18 @@ TEST_P(WallClockOnTheWire, TheRunGoesOnAndSaysSo) {
   const auto time_s = times_s(cell.say({"data", "export", std::to_string(run)}));
   ASSERT_EQ(time_s.size(), 24u);
   EXPECT_TRUE(std::is_sorted(time_s.begin(), time_s.end()));
+
+  const double lasted_s = std::stod(cell.sql("SELECT duration_s FROM run_overview"));
+  EXPECT_GT(lasted_s, time_s.back() - time_s.front()) << "the points are within";
+  EXPECT_NEAR(ended.at("elapsed_s").get<double>(), lasted_s, 1e-6);
+  EXPECT_THAT(cell.say({"run", "list"}), HasSubstr(" " + minutes_text(lasted_s) + " "));
+  EXPECT_THAT(cell.say({"run", "show", std::to_string(run)}),
+              HasSubstr(", after " + minutes_text(lasted_s) + "\n"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, WallClockOnTheWire,
                          testing::Values(ClockSteps{"TenMinutesBack", {-600}},
+                                         ClockSteps{"OneHourBack", {-3600}},
                                          ClockSteps{"OneHourForward", {3600}},
                                          ClockSteps{"ForwardAndBack", {3600, -600}}),
                          [](const auto& row) { return std::string(row.param.name); });

@@ -8,6 +8,7 @@ export interface ReportRun {
   operator: string;
   start: string | null;
   end: string | null;
+  elapsed_s?: number | null;
   rows: number;
   accepted: number;
   given_up: number;

@@ -26,7 +26,6 @@ export function ReportPage({ report }: { report: Report }) {
   const scene = poseScene(report);
   const specs = [spreadSpec(report), zeroSpec(report), temperatureSpec(report), forceSpec(report)].filter((one) => one !== undefined);
   const marks = useMemo(() => marksOf(report), [report]);
-  const seconds = run.start && run.end ? (Date.parse(run.end) - Date.parse(run.start)) / 1000 : undefined;
   return (
     <main>
       <header class="view-title">
@@ -39,7 +38,7 @@ export function ReportPage({ report }: { report: Report }) {
         <p class="state"><Mark kind={kinds[run.state] ?? 'idle'} size={32} /> {run.state[0].toUpperCase() + run.state.slice(1)}</p>
         {run.reason && <p class="muted">{run.reason}</p>}
         <dl class="facts">
-          <dt>from, to</dt><dd>{at(run.start)} to {at(run.end)}{seconds !== undefined && `, ${duration(seconds)}`}</dd>
+          <dt>from, to</dt><dd>{at(run.start)} to {at(run.end)}{typeof run.elapsed_s === 'number' && `, ${duration(run.elapsed_s)}`}</dd>
           <dt>points</dt><dd>{count(run.accepted)} of {count(run.rows)} accepted, {count(run.given_up)} given up, {count(run.attempts)} attempts</dd>
           {run.metadata && Object.keys(run.metadata).length > 0 && <><dt>metadata</dt><dd>{Object.entries(run.metadata).map(([key, value]) => `${key}=${value}`).join(', ')}</dd></>}
           {run.compensation && <><dt>compensation</dt><dd>{run.compensation}</dd></>}

@@ -1,6 +1,7 @@
 // A daemon in memory behind the real API, for unit tests and for looking at the page without one (page.html). Not shipped; the
 // browser tests use the real daemon.
 import { create } from '@bufbuild/protobuf';
+import { DurationSchema } from '@bufbuild/protobuf/wkt';
 import { Code, ConnectError, createRouterTransport, type Transport } from '@connectrpc/connect';
 import { CellService, GetStatusResponseSchema, ListDevicesResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { ConfigurationService } from '@/api/gen/driftwise/v1/configuration_service_pb';
@@ -129,7 +130,7 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
         accuracy: [{ output: 'x', unit: 'nm', rows: 'fresh', figures: { mean: 24.3, u90: 12.8, a90: 42, rowCount: 40n }, ...(runIds.length > 1 ? { before: { mean: -400, u90: 900, a90: 1110, rowCount: 38n } } : {}) }],
       }),
       getRun: () => ({ run: fakeRun, rulesJson: '{"max_spread_nm": 20}' }),
-      listRuns: () => ({ runs: [fakeRun, ...[16, 15, 14].map((id) => ({ ...fakeRun, id: BigInt(id), name: id === 15 ? 'proof-geometry' : 'campaign', state: id === 14 ? Run_State.ABORTED : Run_State.DONE, reason: id === 14 ? 'stopped by Ben' : '', acceptedCount: 1056n, endTime: timestampOf(startMs) }))] }),
+      listRuns: () => ({ runs: [fakeRun, ...[16, 15, 14].map((id) => ({ ...fakeRun, id: BigInt(id), name: id === 15 ? 'proof-geometry' : 'campaign', state: id === 14 ? Run_State.ABORTED : Run_State.DONE, reason: id === 14 ? 'stopped by Ben' : '', acceptedCount: 1056n, endTime: timestampOf(startMs), elapsedDuration: create(DurationSchema, { seconds: 0n }) }))] }),
       listPoints: () => ({ points: fakePoints }),
       listAttempts: () => ({ attempts: fakeAttempts }),
       listDatums: () => ({ datums: [{ id: 3n, openTime: timestampOf(startMs), reason: 'homed' }] }),

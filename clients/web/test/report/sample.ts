@@ -12,7 +12,7 @@ export function sampleReport(count = 60) {
   const zero = (i: number) => i % 12 === 0;
   return {
     schema: 'driftwise.run-report.v1', cell: 'micro-nano <lab>', config_hash: 'abc123', version: '0.1.0', made: '2026-11-21T15:00:00Z', later_key: true,
-    run: { id: 17, name: 'weekend', state: 'done', reason: '', trajectory: 'published.csv', operator: 'anna', start: '2026-11-20T16:00:00Z', end: '2026-11-21T02:00:00Z', rows: count, accepted: count, given_up: 0, attempts: count + 1, restarts: 0 },
+    run: { id: 17, name: 'weekend', state: 'done', reason: '', trajectory: 'published.csv', operator: 'anna', start: '2026-11-20T16:00:00Z', end: '2026-11-21T02:00:00Z', elapsed_s: 36000, rows: count, accepted: count, given_up: 0, attempts: count + 1, restarts: 0 },
     rules: { max_spread_nm: 20 },
     points: {
       count, time_s: packed(index.map((i) => i * 600)), row: packed(index), line: packed(index.map((i) => Math.floor(i / 12) + 1)), set: packed(index.map((i) => (i % 5 === 4 ? 1 : 0))), zero: packed(index.map((i) => (zero(i) ? 1 : 0))), tries: packed(index.map(() => 1)),

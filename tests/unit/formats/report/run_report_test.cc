@@ -68,6 +68,16 @@ TEST(Report, ResolvesATenthOfANanometreAtTenMillimetres) {
   EXPECT_EQ(unpacked_floats(data["points"]["time_s"])[1], 120);
 }
 
+TEST(Report, TellsHowLongTheRunLastedAlsoWhenTheClockWasSetBackMeanwhile) {
+  auto report = empty_report();
+  report.utc = [](CellTime at) {
+    return UtcTime{at.utc_ns - (at < after_s(20) ? 0 : 3'600'000'000'000)};
+  };
+  EXPECT_TRUE(formats::run_report_json(report)["run"]["elapsed_s"].is_null()) << "not over";
+  report.run.ended = after_s(90.5);
+  EXPECT_DOUBLE_EQ(formats::run_report_json(report)["run"]["elapsed_s"].get<double>(), 90.5);
+}
+
 TEST(Report, KeepsDataInsideTheirElementWhateverTheyHold) {
   const std::string page =
       "<p>a</p><script type=\"application/json\" id=\"report-data\">null</script><p>b</p>";

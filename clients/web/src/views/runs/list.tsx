@@ -4,7 +4,7 @@ import { api } from '@/api/client';
 import { Run_State, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { go, query, setQuery } from '@/app/router';
 import { count, fixed } from '@/format/numbers';
-import { dateClock, duration, ms } from '@/format/time';
+import { dateClock, duration, ms, secondsOf } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { doneShare, isOver, stateWords } from '@/parts/run_words';
 import { Button } from '@/ui/button';
@@ -31,11 +31,7 @@ export function matches(run: Run, text: string, state: string): boolean {
   return text.toLowerCase().split(/\s+/).every((word) => words.includes(word));
 }
 
-const took = (run: Run): string => {
-  const from = ms(run.startTime);
-  const to = ms(run.endTime);
-  return from === undefined ? '–' : to === undefined ? 'under way' : duration((to - from) / 1000);
-};
+const took = (run: Run): string => (!run.startTime ? '–' : !run.endTime ? 'under way' : duration(secondsOf(run.elapsedDuration)));
 
 interface Chosen {
   ids: readonly bigint[];

@@ -7,7 +7,7 @@ import type { Run } from '@/api/gen/driftwise/v1/run_pb';
 import { usePrintFacts } from '@/app/print_head';
 import { query, setQuery } from '@/app/router';
 import { fixed } from '@/format/numbers';
-import { dateClock, duration, ms } from '@/format/time';
+import { dateClock, duration, ms, secondsOf } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { useRunPoints } from '@/live/points';
 import { Rests } from '@/parts/rests';
@@ -46,7 +46,7 @@ function Head({ run }: { run: Run }) {
       </div>
       <dl class="facts note">
         <dt>points</dt><dd>{String(run.acceptedCount)} of {String(run.rowCount)} ({fixed(doneShare(run) * 100)} %), {troubles(run)}</dd>
-        <dt>{to === undefined ? 'started' : 'measured'}</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration((to - from) / 1000)}`}</dd>
+        <dt>{to === undefined ? 'started' : 'measured'}</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration(secondsOf(run.elapsedDuration))}`}</dd>
         <dt>trajectory</dt><dd>{run.trajectoryName || '–'}</dd>
         {run.setup && <><dt>set-up</dt><dd>{run.setup}</dd></>}
         <dt>compensation</dt><dd>{compensationText(run)}</dd>
