@@ -9,7 +9,13 @@ namespace driftwise::tests {
 namespace {
 
 // Passes everything on, but refuses commits while the disk is full.
-class FullDisk final : public Store, RunStore, PointStore, ReadingStore, EventStore, AuditStore {
+class FullDisk final : public Store,
+                       RunStore,
+                       PointStore,
+                       ReadingStore,
+                       EventStore,
+                       AuditStore,
+                       StopStore {
  public:
   FullDisk(std::unique_ptr<Store> inner, const bool& full)
       : Store(before(*inner, this)), inner_(std::move(inner)), full_(full) {}
@@ -23,6 +29,7 @@ class FullDisk final : public Store, RunStore, PointStore, ReadingStore, EventSt
     parts.readings = its;
     parts.events = its;
     parts.audit = its;
+    parts.stops = its;
     parts.upkeep = nullptr;
     return parts;
   }
@@ -89,6 +96,13 @@ class FullDisk final : public Store, RunStore, PointStore, ReadingStore, EventSt
                           const std::optional<EventRecord>& event) override {
     return or_full<AuditRecord>([&] { return inner_->audit().add(act, event); });
   }
+  Result<std::vector<StopRecord>> keep(std::span<const StopRecord> stops) override {
+    return or_full<std::vector<StopRecord>>([&] { return inner_->stops().keep(stops); });
+  }
+  Result<bool> confirm(const StopRecord& stop, CellTime at) override {
+    return or_full<bool>([&] { return inner_->stops().confirm(stop, at); });
+  }
+  Result<std::vector<StopRecord>> pending() override { return inner_->stops().pending(); }
   Result<std::vector<AuditRecord>> acts(std::int64_t before_id, int limit) override {
     return inner_->audit().acts(before_id, limit);
   }
@@ -152,18 +166,41 @@ TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
   EXPECT_EQ(cell.events_named("run.resumed").size(), 1u);
 }
 
-TEST_F(FullDiskTest, APauseIsOnRecordAsSoonAsThereIsRoom) {
-  const auto id = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
-  cell.until([&] { return cell.status().run->run.accepted == 3; });
-  full = true;
-  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
-  ASSERT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
-  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+struct Halt {
+  const char* name;
+  bool stop;  // of the axes; false: a pause of the run
+};
+class HaltOnAFullDisk : public FullDiskTest, public testing::WithParamInterface<Halt> {
+ protected:
+  RunId halt_a_waiting_run() {
+    const auto id = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
+    cell.until([&] { return cell.status().run->run.accepted == 3; });
+    full = true;
+    cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+    if (GetParam().stop) {
+      EXPECT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
+      cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+    } else {  // in force when the point under way is on record
+      EXPECT_TRUE(cell.await(cell->runs.pause(cell.ada, id)));
+    }
+    return id;
+  }
+  RunState on_record(RunId id) {
+    return (*storage::open_sqlite_store(folder / "cell.sqlite", true))->runs().run(id)->state;
+  }
+};
+
+TEST_P(HaltOnAFullDisk, IsOnRecordAsSoonAsThereIsRoom) {
+  const auto id = halt_a_waiting_run();
+  EXPECT_NE(on_record(id), RunState::paused);
   full = false;
   cell.pass(20);
-  auto store = *storage::open_sqlite_store(folder / "cell.sqlite", true);
-  EXPECT_EQ(store->runs().run(id)->state, RunState::paused) << "a kill now would let it go on";
+  EXPECT_EQ(on_record(id), RunState::paused) << "a kill now would let it go on";
 }
+
+INSTANTIATE_TEST_SUITE_P(By, HaltOnAFullDisk,
+                         testing::Values(Halt{"Stop", true}, Halt{"Pause", false}),
+                         [](const auto& row) { return std::string(row.param.name); });
 
 TEST_F(FullDiskTest, ShutDownDoesNotWaitForRoom) {
   cell.begin_run(lines_of(2, {2, -3, 1}, true));
