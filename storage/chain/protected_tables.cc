@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <set>
 
 #include "storage/chain/value_bytes.h"
@@ -73,8 +74,9 @@ class Use {
   Use& operator=(const Use&) = delete;
   sqlite3_stmt* get() const { return statement_; }
   bool row() {
+    errno = 0;
     const int code = sqlite3_step(statement_);
-    if (code != SQLITE_ROW && code != SQLITE_DONE) db_.fail_now(sqlite3_sql(statement_));
+    if (code != SQLITE_ROW && code != SQLITE_DONE) db_.fail_now(sqlite3_sql(statement_), errno);
     return code == SQLITE_ROW;
   }
 

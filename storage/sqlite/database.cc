@@ -1,5 +1,7 @@
 #include "storage/sqlite/database.h"
 
+#include <cerrno>
+
 #include "server/core/data/reading.h"
 #include "server/core/reasons.h"
 #include "storage/sqlite/failure.h"
@@ -40,16 +42,21 @@ void Database::for_each_row(const std::string& sql,
   if (code != SQLITE_DONE) fail_now(sql);
 }
 
-void Database::fail_now(std::string_view doing) const {
+void Database::fail_now(std::string_view doing, std::optional<int> seen_errno) const {
   sqlite3* db = handle();
   const int code = db == nullptr ? SQLITE_NOMEM : sqlite3_extended_errcode(db);
-  throw StorageFailure{error_from_sqlite(code, db == nullptr ? 0 : sqlite3_system_errno(db), path_,
+  const int kept_errno = db == nullptr ? 0 : sqlite3_system_errno(db);
+  const int system_errno =
+      (code & 0xff) == SQLITE_IOERR ? seen_errno.value_or(kept_errno) : kept_errno;
+  throw StorageFailure{error_from_sqlite(code, system_errno, path_,
                                          std::string(doing.substr(0, 60)),
                                          db == nullptr ? "no memory" : sqlite3_errmsg(db))};
 }
 
 void Database::execute(const std::string& sql) {
-  if (sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail_now(sql);
+  errno = 0;
+  if (sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
+    fail_now(sql, errno);
 }
 
 std::int64_t Database::pragma(const std::string& name) {
@@ -78,9 +85,10 @@ sqlite3_stmt* Database::kept(const char* sql) {
 }
 
 bool Query::row() {
+  errno = 0;
   const int code = sqlite3_step(statement_);
   if (code == SQLITE_ROW) return true;
-  if (code != SQLITE_DONE) db_.fail_now(sqlite3_sql(statement_));
+  if (code != SQLITE_DONE) db_.fail_now(sqlite3_sql(statement_), errno);
   return false;
 }
 

@@ -36,8 +36,11 @@ class Database {
   std::int64_t last_row_id() const { return sqlite3_last_insert_rowid(handle()); }
   std::int64_t changed_rows() const { return sqlite3_changes64(handle()); }
 
-  // Throws what the connection's last error means; doing: "storing a point".
-  [[noreturn]] void fail_now(std::string_view doing) const;
+  // Throws what the connection's last error means; doing: "storing a point". seen_errno: as a
+  // failed statement left it; SQLite keeps none of a COMMIT (sqlite3_system_errno has an earlier
+  // call's).
+  [[noreturn]] void fail_now(std::string_view doing,
+                             std::optional<int> seen_errno = std::nullopt) const;
 
   // A kept statement. sql is a literal: the text's address is the key.
   sqlite3_stmt* kept(const char* sql);

@@ -31,12 +31,16 @@ Error error_from_sqlite(int code, int system_errno, const std::string& file,
         what +
             "the disk is full; nothing was written: free some space, then the same call succeeds"};
   // Linux takes writing from a file system that has an error of its own. Files that are open stay
-  // so, and take what comes once it is mounted for writing again.
+  // so. ext4 then takes no remount: it has to be unmounted and checked, which the daemon's open
+  // files prevent.
   if (system_errno == EROFS && ((code & 0xff) == SQLITE_IOERR || (code & 0xff) == SQLITE_READONLY))
-    return {ErrorCode::resource_exhausted, reasons::kReadOnly,
-            what +
-                "the disk can only be read now, as after an error of its own (dmesg); nothing was "
-                "written: check it and mount it for writing, then the same call succeeds"};
+    return {
+        ErrorCode::resource_exhausted, reasons::kReadOnly,
+        what +
+            "the disk can only be read now (dmesg says why); nothing was written: mount it for "
+            "writing, then the same call succeeds. After an error of its own ext4 cannot be "
+            "mounted anew under open files: end the daemon, unmount, check (fsck), mount, start "
+            "the daemon"};
   switch (code) {
     case SQLITE_CONSTRAINT_UNIQUE:
     case SQLITE_CONSTRAINT_PRIMARYKEY:

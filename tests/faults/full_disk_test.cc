@@ -1,6 +1,8 @@
 // A disk that fills up or fails during a call: the call says so, nothing of it is stored, and once
 // there is room the same call succeeds.
 
+#include <cerrno>
+
 #include "tests/faults/unsynced_vfs.h"
 #include "tests/unit/storage/store_fixture.h"
 
@@ -17,6 +19,7 @@ struct Case {
   const char* name;
   Part part;
   int sqlite_code;
+  int system_errno;
   ErrorCode expected;
   const char* reason;
 };
@@ -25,9 +28,9 @@ class FailingDisk : public testing::TestWithParam<Case> {
  protected:
   void fail_from(std::int64_t change) {
     if (GetParam().part == Part::writes)
-      disk.fail_writes_from(change, GetParam().sqlite_code);
+      disk.fail_writes_from(change, GetParam().sqlite_code, GetParam().system_errno);
     else
-      disk.fail_syncs_from(change, GetParam().sqlite_code);
+      disk.fail_syncs_from(change, GetParam().sqlite_code, GetParam().system_errno);
   }
   void expect_expected(const Error& error) const {
     EXPECT_EQ(error.code, GetParam().expected) << error.message;
@@ -106,12 +109,21 @@ TEST_P(FailingDisk, FailsTheOpeningOfANewDatabase) {
   FAIL() << "opening a database takes more changes than expected";
 }
 
+// SQLite answers SQLITE_FULL to a write without room, and an I/O error with the system's errno to
+// everything else: ext4 finds out at an fsync that there is no room, and after an error of its own
+// it refuses every write with EROFS.
 INSTANTIATE_TEST_SUITE_P(Table, FailingDisk,
-                         testing::Values(Case{"Full", Part::writes, SQLITE_FULL,
+                         testing::Values(Case{"Full", Part::writes, SQLITE_FULL, ENOSPC,
                                               ErrorCode::resource_exhausted, "DISK_FULL"},
-                                         Case{"WriteError", Part::writes, SQLITE_IOERR_WRITE,
+                                         Case{"FullAtTheSync", Part::syncs, SQLITE_IOERR_FSYNC,
+                                              ENOSPC, ErrorCode::resource_exhausted, "DISK_FULL"},
+                                         Case{"BecameReadOnly", Part::writes, SQLITE_IOERR_WRITE,
+                                              EROFS, ErrorCode::resource_exhausted, "READ_ONLY"},
+                                         Case{"ReadOnlyAtTheSync", Part::syncs, SQLITE_IOERR_FSYNC,
+                                              EROFS, ErrorCode::resource_exhausted, "READ_ONLY"},
+                                         Case{"WriteError", Part::writes, SQLITE_IOERR_WRITE, EIO,
                                               ErrorCode::data_loss, "DISK_ERROR"},
-                                         Case{"SyncError", Part::syncs, SQLITE_IOERR_FSYNC,
+                                         Case{"SyncError", Part::syncs, SQLITE_IOERR_FSYNC, EIO,
                                               ErrorCode::data_loss, "DISK_ERROR"}),
                          [](const auto& row) { return std::string(row.param.name); });
 

@@ -185,11 +185,11 @@ UnsyncedVfs::Verdict UnsyncedVfs::begin(ChangeKind kind, int power_cut_code) {
     cut_ = true;
     return {power_cut_code, true};
   }
-  if (kind == ChangeKind::room && fail_writes_at_ != 0 && changes_ >= fail_writes_at_)
-    return {write_failure_, false};
-  if (kind == ChangeKind::sync && fail_syncs_at_ != 0 && changes_ >= fail_syncs_at_)
-    return {sync_failure_, false};
-  return {};
+  const bool room = kind == ChangeKind::room && fail_writes_at_ != 0 && changes_ >= fail_writes_at_;
+  const bool sync = kind == ChangeKind::sync && fail_syncs_at_ != 0 && changes_ >= fail_syncs_at_;
+  if (!room && !sync) return {};
+  if (errno_of_failures_ != 0) errno = errno_of_failures_;
+  return {room ? write_failure_ : sync_failure_, false};
 }
 
 std::int64_t UnsyncedVfs::changes() const {
@@ -207,14 +207,16 @@ bool UnsyncedVfs::power_is_cut() const {
   return cut_;
 }
 
-void UnsyncedVfs::fail_writes_from(std::int64_t change, int code) {
+void UnsyncedVfs::fail_writes_from(std::int64_t change, int code, int system_errno) {
   const std::scoped_lock lock(mutex_);
+  errno_of_failures_ = system_errno;
   fail_writes_at_ = change;
   write_failure_ = code;
 }
 
-void UnsyncedVfs::fail_syncs_from(std::int64_t change, int code) {
+void UnsyncedVfs::fail_syncs_from(std::int64_t change, int code, int system_errno) {
   const std::scoped_lock lock(mutex_);
+  errno_of_failures_ = system_errno;
   fail_syncs_at_ = change;
   sync_failure_ = code;
 }

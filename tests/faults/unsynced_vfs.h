@@ -48,8 +48,9 @@ class UnsyncedVfs {
 
   // From this change on, changes that need room (write, truncate, create) or every sync answer with
   // this code, SQLITE_FULL or SQLITE_IOERR_*, and leave the file as it is, until heal().
-  void fail_writes_from(std::int64_t change, int code);
-  void fail_syncs_from(std::int64_t change, int code);
+  // system_errno: what the failed call of the system leaves in errno; 0: nothing.
+  void fail_writes_from(std::int64_t change, int code, int system_errno = 0);
+  void fail_syncs_from(std::int64_t change, int code, int system_errno = 0);
   void heal();
 
   // Writes the files that the power cut left into a folder, under their own names. The folder may
@@ -82,6 +83,7 @@ class UnsyncedVfs {
   std::int64_t changes_ = 0;
   std::int64_t cut_at_ = 0, fail_writes_at_ = 0, fail_syncs_at_ = 0;  // 0: never
   int write_failure_ = SQLITE_FULL, sync_failure_ = SQLITE_IOERR_FSYNC;
+  int errno_of_failures_ = 0;
   bool cut_ = false;
 };
 

@@ -22,6 +22,8 @@ TEST(ADiskThatBecameReadOnly, IsWaitedForAsAFullOneIs) {
     EXPECT_EQ(error.code, answer(SQLITE_FULL, 0).code);
     EXPECT_EQ(error.reason, "READ_ONLY");
     EXPECT_THAT(error.message, testing::HasSubstr("mount it for writing"));
+    EXPECT_THAT(error.message, testing::HasSubstr("end the daemon, unmount, check (fsck), mount"))
+        << "ext4 takes no remount after an error";
   }
 }
 
