@@ -41,6 +41,20 @@ void KeptStopFile::remove() {
                path_.string(), failed.message());
 }
 
+void KeptStopFile::keep(const formats::KeptStop& stop) {
+  const std::lock_guard lock(mutex_);
+  std::ofstream file(path_, std::ios::binary | std::ios::trunc);
+  file << formats::write_kept_stop(stop) << std::flush;
+  if (file)
+    spdlog::warn("the record does not say that {} paused the run: {} says so to the next start",
+                 stop.who, path_.string());
+  else
+    spdlog::error(
+        "the record does not say that {} paused the run, and {} cannot be written: the next start "
+        "lets the run go on. Before it, once the disk is well, enter {} and say 'driftwise stop'",
+        stop.who, path_.string(), path_.parent_path().string());
+}
+
 KeptStopWatch::KeptStopWatch(KeptStopFile& file, std::function<void(const formats::KeptStop&)> stop)
     : thread_([&file, stop = std::move(stop)](const std::stop_token& ending) {
         constexpr auto kLookEvery = std::chrono::milliseconds(500);

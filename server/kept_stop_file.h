@@ -24,6 +24,8 @@ class KeptStopFile {
   // The stop of the last read() is in force by now. A file that stays is a stop at the next start
   // too: logged.
   void remove();
+  // For the next start. What cannot be written is logged, with what a person has to do.
+  void keep(const formats::KeptStop& stop);
 
  private:
   std::filesystem::path path_;

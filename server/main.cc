@@ -390,6 +390,7 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
   });
   daemon.access->authoriser().tell(nullptr);
   asio::co_spawn(context, daemon.cell->shut_down(), asio::use_future).wait();
+  if (const auto halt = daemon.cell->halt_not_on_record()) daemon.kept_stop->keep(*halt);
 }
 
 void set_up_logging(const Arguments& arguments) {

@@ -74,6 +74,7 @@ void CellInMemory::shut_down() {
   until([&down] { return down; });
   io_.restart();
   io_.poll();
+  halt_not_on_record_ = cell_->halt_not_on_record();
   cell_.reset();
 }
 

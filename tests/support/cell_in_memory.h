@@ -112,6 +112,7 @@ class CellInMemory {
   VirtualTime& time() { return time_; }
 
   void shut_down();
+  const auto& halt_not_on_record() const { return halt_not_on_record_; }  // after shut_down()
   void forget() { cell_.reset(); }  // it was shut down by hand
   // Lets the world go on until the condition holds; throws when it does not within the limit of
   // cell time.
@@ -153,6 +154,7 @@ class CellInMemory {
   asio::io_context io_;
   VirtualTime time_;
   std::unique_ptr<application::Cell> cell_;
+  std::optional<formats::KeptStop> halt_not_on_record_;
   std::string lease_;
 };
 

@@ -75,4 +75,13 @@ Awaitable<void> Cell::served_again() { return parts_->served_again(); }
 
 Awaitable<void> Cell::shut_down() { return parts_->shut_down(); }
 
+std::optional<formats::KeptStop> Cell::halt_not_on_record() const {
+  const auto& progress = parts_->engine.progress();
+  if (!progress || !progress->unstored || progress->run.state != RunState::paused)
+    return std::nullopt;
+  const auto& hold = progress->run.hold;
+  return formats::KeptStop{hold.who.empty() ? "the daemon" : hold.who,
+                           to_iso8601(parts_->clock->utc(hold.at))};
+}
+
 }  // namespace driftwise::application

@@ -68,6 +68,9 @@ class Cell {
   // Resumes when the promoted model or plan serves again after a start, or is refused.
   Awaitable<void> served_again();
   Awaitable<void> shut_down();
+  // After it: who paused the run that the next start would let go on, for the disk took nothing and
+  // the record does not say so. Whoever ends the daemon keeps it, as a stop that nobody answered.
+  std::optional<formats::KeptStop> halt_not_on_record() const;
 
   const Services& services() const { return services_; }
   // What the doors tell of access becomes events and alarms. Any thread, until shut_down().

@@ -442,6 +442,7 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   if (!outcome) static_cast<void>(co_await mark_doubted(run));
   if (!outcome && remedy == Remedy::leave) {
     static_cast<void>(co_await bench_.devices.stop());
+    adopt_pause(run);
     const auto state = run.record.state == RunState::paused ? RunState::paused : RunState::waiting;
     const auto reason =
         state == RunState::paused ? run.record.reason : std::string(kShutDownReason);
@@ -481,6 +482,7 @@ void RunEngine::publish() {
   auto& run = *run_;
   run.progress.run = run.record;
   run.progress.sequence = ++sequence_;
+  run.progress.unstored = run.state_unstored;
   const bool over = is_over(run.record.state);
   const auto now = bench_.clock.now().utc;
   run.progress.outlook = over ? Outlook{} : outlook_.of(run, now, hooks_.look_ahead);

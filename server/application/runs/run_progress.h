@@ -20,6 +20,7 @@ struct RunProgress {
   double remaining_s = 0;     // of measuring, cell time: what a run that waits has still ahead
   Outlook outlook;            // the same as a band
   std::int64_t sequence = 0;  // grows with every change
+  bool unstored = false;      // the disk takes nothing: the record has another state
 };
 
 }  // namespace driftwise::application

@@ -44,6 +44,17 @@ Awaitable<Result<void>> wait_for_change(ActiveRun& run) {
   co_return Result<void>{};
 }
 
+void adopt_pause(ActiveRun& run) {
+  const auto& asked = run.control.hold();
+  auto& record = run.record;
+  if (record.state == RunState::paused || !run.control.held() ||
+      asked.kind == RunHold::Kind::condition)
+    return;
+  record.state = RunState::paused;
+  record.hold = asked;
+  record.reason = asked.reason;
+}
+
 Awaitable<Result<void>> record_interruption(ActiveRun& run) {
   const auto visit = next_visit(run.trajectory, run.record.place);
   if (!visit) co_return Result<void>{};

@@ -22,6 +22,10 @@ Awaitable<Result<void>> store_state(ActiveRun& run);
 // as it fits: a pause that is not there would be over after a kill.
 Awaitable<Result<void>> wait_for_change(ActiveRun& run);
 
+// The daemon ends while a person's pause waits for the end of the point under way: the record's
+// state and hold become the pause's.
+void adopt_pause(ActiveRun& run);
+
 // After a kill: the row that was under way, or was about to be, gets an attempt on record as
 // interrupted.
 Awaitable<Result<void>> record_interruption(ActiveRun& run);

@@ -212,6 +212,28 @@ TEST(Restart, RecordsTheInterruptedAttempt) {
   EXPECT_EQ(interrupted, 1);
 }
 
+TEST(Restart, APauseThatWaitsForThePointUnderWayIsKeptWhenTheDaemonEnds) {
+  Folder folder;
+  SmallWorld world;
+  const auto database = folder / "cell.sqlite";
+  {
+    CellInMemory cell(world, small_cell(database), kSqlite);
+    const auto run = cell.begin_run(kTrajectory).id;
+    cell.until([&] { return cell.status().run->run.accepted == 2; });
+    ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run)));
+    ASSERT_EQ(cell.status().run->run.state, RunState::running) << "the point is under way";
+    cell.shut_down();
+    EXPECT_FALSE(cell.halt_not_on_record());
+  }
+  const auto stored = *look(database).run;
+  EXPECT_EQ(stored.state, RunState::paused);
+  EXPECT_EQ(stored.hold.who, "ada");
+  CellInMemory cell(world, small_cell(database), kSqlite, kWorldBegin + std::chrono::hours(1));
+  cell.until([&] { return cell.status().run.has_value(); });
+  cell.pass(600);
+  EXPECT_EQ(cell.status().run->run.accepted, stored.accepted);
+}
+
 TEST(Restart, APausedRunStaysPausedUntilSomebodyResumesIt) {
   Folder folder;
   SmallWorld world;

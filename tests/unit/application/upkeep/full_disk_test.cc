@@ -198,6 +198,22 @@ TEST_P(HaltOnAFullDisk, IsOnRecordAsSoonAsThereIsRoom) {
   EXPECT_EQ(on_record(id), RunState::paused) << "a kill now would let it go on";
 }
 
+TEST_P(HaltOnAFullDisk, IsToldByACellThatEndsWithoutRoom) {
+  const auto id = halt_a_waiting_run();
+  cell.shut_down();
+  const auto halt = cell.halt_not_on_record();
+  ASSERT_TRUE(halt) << "the next start would let run " << id.value << " go on";
+  EXPECT_EQ(halt->who, "ada");
+}
+
+TEST_P(HaltOnAFullDisk, IsNoSecretOnceItIsOnRecord) {
+  halt_a_waiting_run();
+  full = false;
+  cell.pass(20);
+  cell.shut_down();
+  EXPECT_FALSE(cell.halt_not_on_record());
+}
+
 INSTANTIATE_TEST_SUITE_P(By, HaltOnAFullDisk,
                          testing::Values(Halt{"Stop", true}, Halt{"Pause", false}),
                          [](const auto& row) { return std::string(row.param.name); });
