@@ -24,8 +24,10 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
     Key key{condition.kind, condition.subject};
     if (const auto known = standing_.find(key); known != standing_.end())
       known->second.looks_without = 0;
-    else if (!condition.settling && !unstored_.contains(key))
-      unstored_.emplace(key, begun(condition));
+    else if (const auto waiting = unstored_.find(key); waiting != unstored_.end())
+      waiting->second.looks_without = 0, waiting->second.alarm.cleared = {};
+    else if (!condition.settling)
+      unstored_.emplace(key, Unstored{begun(condition)});
     found.insert(std::move(key));
   }
   auto storing = store_what_waits(found);
@@ -65,17 +67,20 @@ Awaitable<void> AlarmBook::tell_what_changed(const std::vector<AlarmCondition>& 
 
 Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
   std::vector<Key> waiting;
-  for (auto& [key, alarm] : unstored_) {
-    if (!found.contains(key) && alarm.cleared.utc_ns == 0) alarm.cleared = clock_.now().utc;
+  for (auto& [key, one] : unstored_) {
+    if (!found.contains(key) && one.alarm.cleared.utc_ns == 0 &&
+        ++one.looks_without >= kLooksToClear)
+      one.alarm.cleared = clock_.now().utc;
     waiting.push_back(key);
   }
   for (const Key& key : waiting) {
-    auto storing = store(unstored_.at(key));
+    auto storing = store(unstored_.at(key).alarm);
     const auto stored = co_await std::move(storing);
     if (!stored) co_return;  // no room yet
-    unstored_.erase(key);
-    if (found.contains(key))
-      standing_[key] = {stored->id, 0, stored->message, stored->consequences, clock_.now().utc};
+    const auto one = unstored_.extract(key).mapped();
+    if (one.alarm.cleared.utc_ns == 0)
+      standing_[key] = {stored->id, std::max(0, one.looks_without - 1),  // look() counts this one
+                        stored->message, stored->consequences, clock_.now().utc};
   }
 }
 
@@ -84,7 +89,8 @@ Awaitable<void> AlarmBook::note(AlarmCondition condition) {
   alarm.cleared = alarm.since;
   auto storing = store(alarm);
   const auto stored = co_await std::move(storing);
-  if (!stored) unstored_.emplace(Key{condition.kind, condition.subject}, std::move(alarm));
+  if (!stored)
+    unstored_.emplace(Key{condition.kind, condition.subject}, Unstored{std::move(alarm)});
 }
 
 AlarmRecord AlarmBook::begun(const AlarmCondition& condition) const {
@@ -107,7 +113,7 @@ Awaitable<Result<AlarmRecord>> AlarmBook::store(AlarmRecord alarm) {
 
 std::vector<AlarmRecord> AlarmBook::unstored() const {
   std::vector<AlarmRecord> out;
-  for (const auto& [key, alarm] : unstored_) out.push_back(alarm);
+  for (const auto& [key, one] : unstored_) out.push_back(one.alarm);
   std::ranges::sort(out, {}, [](const AlarmRecord& alarm) { return alarm.since.utc_ns; });
   return out;
 }

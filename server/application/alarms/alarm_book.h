@@ -31,7 +31,8 @@ class AlarmBook {
   Awaitable<Result<void>> restore();
   // Raises what is new and clears what is over. What the store refuses (a full disk) is kept with
   // its beginning, and its end where it has one, and tried again at every look: the alarm of the
-  // full disk itself is over by the time that it can be written.
+  // full disk itself is over by the time that it can be written. One that returns meanwhile goes
+  // on.
   Awaitable<void> look(std::vector<AlarmCondition> conditions);
   // Something that happened and is over at once: stands until it is acknowledged.
   Awaitable<void> note(AlarmCondition condition);
@@ -55,6 +56,10 @@ class AlarmBook {
     std::vector<std::string> consequences = {};
     CellTime told = {};
   };
+  struct Unstored {
+    AlarmRecord alarm;
+    int looks_without = 0;
+  };
   AlarmRecord begun(const AlarmCondition& condition) const;
   Awaitable<Result<AlarmRecord>> store(AlarmRecord alarm);
   Awaitable<void> tell_what_changed(const std::vector<AlarmCondition>& conditions);
@@ -63,7 +68,7 @@ class AlarmBook {
   Clock& clock_;
   StoreWriter& writer_;
   std::map<Key, Standing> standing_;
-  std::map<Key, AlarmRecord> unstored_;
+  std::map<Key, Unstored> unstored_;
   WatchList<AlarmRecord> watchers_;
   CellTime next_shelf_look_;
 };

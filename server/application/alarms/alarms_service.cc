@@ -212,7 +212,8 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
                    .subject = "database",
                    .message =
                        "the record takes nothing: readings gather in memory, and a run under way "
-                       "waits; make room on the disk, or look whether it is still there",
+                       "waits; make room on the disk, or look whether it is still there and takes "
+                       "what is written (the log says)",
                    .settling = seconds_from(clock_.now().utc - *since) <= unwritten_s});
   if (writer_.dropped() > 0)
     out.push_back({AlarmLevel::failed, "record.dropped", "database",

@@ -1,8 +1,11 @@
 #include "server/application/recording/recorder.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
 
 #include "server/application/plumbing/task_group.h"
 #include "server/core/try.h"
@@ -93,6 +96,7 @@ Awaitable<void> Recorder::flush_for_ever() {
       std::chrono::seconds(20);  // what a kill may cost: slow readings, no point
   std::int64_t before_gap = 0;
   bool dropping = false;
+  std::string trouble;  // that the log has been told
   while (!ending_) {
     co_await sleep_unless(clock_, clock_.now().utc + kEvery, ended_);
     // Housekeeping of the store, here because it may take a while and a point must not wait for it.
@@ -102,6 +106,10 @@ Awaitable<void> Recorder::flush_for_ever() {
     const auto since = writer_.gathered_since();
     if (!ending_ && (!since || clock_.now().utc - *since < kLongestWait)) continue;
     const auto stored = co_await writer_.flush();
+    const std::string why = stored ? "" : stored.error().message;
+    if (std::exchange(trouble, why) != why)
+      spdlog::log(stored ? spdlog::level::info : spdlog::level::err, "{}",
+                  stored ? "the record takes readings again" : "readings gather in memory: " + why);
     if (!dropping && writer_.dropped() > before_gap) {
       dropping = true;
       events_.record_own(

@@ -222,7 +222,7 @@ TEST_F(AlarmBookTest, AnAlarmThatWasOverBeforeItCouldBeWrittenIsOnRecordWithItsB
   EXPECT_EQ(since, clock.now().utc);
   look({lost("laser-x")});
   EXPECT_EQ(book->unstored().size(), 1u);
-  look({});
+  for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({});
   store->disk.full = false;
   look({});
   EXPECT_THAT(book->unstored(), IsEmpty());
@@ -231,6 +231,27 @@ TEST_F(AlarmBookTest, AnAlarmThatWasOverBeforeItCouldBeWrittenIsOnRecordWithItsB
   EXPECT_GT(standing()[0].cleared, since);
   look({lost("laser-x")});
   EXPECT_EQ(standing().size(), 2u) << "its return is another";
+}
+
+// What gathers in memory is out of sight while the store is asked to take it.
+TEST_F(AlarmBookTest, OneThatFlickersOnAFullDiskIsOneAlarm) {
+  store->disk.full = true;
+  look({lost("laser-x")});
+  const CellTime since = book->unstored()[0].since;
+  for (int i = 0; i < 6; ++i) {
+    look(i % 3 == 2 ? Conditions{lost("laser-x")} : Conditions{});
+    EXPECT_EQ(book->unstored()[0].cleared.utc_ns, 0) << "two looks without it are not its end";
+  }
+  for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({});
+  EXPECT_NE(book->unstored()[0].cleared.utc_ns, 0);
+  look({lost("laser-x")});
+  store->disk.full = false;
+  look({});
+  ASSERT_EQ(standing().size(), 1u);
+  EXPECT_EQ(standing()[0].since, since);
+  EXPECT_EQ(standing()[0].cleared.utc_ns, 0) << "it came back before its end was on record";
+  for (int i = 1; i < AlarmBook::kLooksToClear; ++i) look({});
+  EXPECT_NE(standing()[0].cleared.utc_ns, 0);
 }
 
 TEST_F(AlarmBookTest, TellsConsequencesAtOnceAndNumbersNowAndThen) {
