@@ -1,10 +1,22 @@
 #include "server/application/plumbing/store_writer.h"
 
+#include <algorithm>
 #include <iterator>
 
 #include "server/application/plumbing/crash_point.h"
 
 namespace driftwise::application {
+namespace {
+
+template <class Record, class Instant>
+void put_back_by(std::vector<Record>& waiting, std::vector<Record> back, Instant instant) {
+  back.insert(back.end(), std::make_move_iterator(waiting.begin()),
+              std::make_move_iterator(waiting.end()));
+  std::ranges::stable_sort(back, {}, instant);
+  waiting = std::move(back);
+}
+
+}  // namespace
 
 StoreWriter::StoreWriter(const asio::any_io_executor& thread, std::unique_ptr<Store> store)
     : AsyncStore(thread, thread, std::move(store)) {}
@@ -75,17 +87,13 @@ Awaitable<Result<void>> StoreWriter::flush() {
   co_return stored;
 }
 
+// A commit and a flush may be under way at a time, and both fail: what is put back last is not
+// always the oldest.
 void StoreWriter::put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves,
                            std::vector<RejectedAnswer> rejected) {
-  rejected.insert(rejected.end(), std::make_move_iterator(rejected_.begin()),
-                  std::make_move_iterator(rejected_.end()));
-  rejected_ = std::move(rejected);
-  readings.insert(readings.end(), std::make_move_iterator(readings_.begin()),
-                  std::make_move_iterator(readings_.end()));
-  readings_ = std::move(readings);
-  moves.insert(moves.end(), std::make_move_iterator(moves_.begin()),
-               std::make_move_iterator(moves_.end()));
-  moves_ = std::move(moves);
+  put_back_by(readings_, std::move(readings), [](const Reading& one) { return one.end; });
+  put_back_by(moves_, std::move(moves), [](const MoveRecord& one) { return one.at.utc; });
+  put_back_by(rejected_, std::move(rejected), [](const RejectedAnswer& one) { return one.start; });
 }
 
 }  // namespace driftwise::application

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
+#include "server/application/plumbing/store_writer.h"
 #include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
 
@@ -217,6 +220,40 @@ TEST_P(HaltOnAFullDisk, IsNoSecretOnceItIsOnRecord) {
 INSTANTIATE_TEST_SUITE_P(By, HaltOnAFullDisk,
                          testing::Values(Halt{"Stop", true}, Halt{"Pause", false}),
                          [](const auto& row) { return std::string(row.param.name); });
+
+TEST(ReadingsOnAFullDisk, KeepTheirOrderWhenTwoParcelsAreRefusedAtATime) {
+  Folder folder;
+  const bool full = true;
+  asio::io_context cell, storage_thread;
+  application::StoreWriter writer{
+      storage_thread.get_executor(),
+      std::make_unique<FullDisk>(*storage::open_sqlite_store(folder / "cell.sqlite", false), full)};
+  const auto add_at_s = [&writer](int seconds) {
+    Reading reading;
+    reading.device = "scanner";
+    reading.start = reading.end = kWorldBegin + std::chrono::seconds(seconds);
+    writer.add(std::move(reading));
+  };
+  int refused = 0;
+  const auto count = [&refused](const std::exception_ptr&, const auto& stored) {
+    refused += !stored;
+  };
+  add_at_s(10);
+  asio::co_spawn(cell, writer.commit({}), count);
+  cell.poll();  // handed over, and not looked at yet
+  add_at_s(20);
+  asio::co_spawn(cell, writer.flush(), count);
+  cell.poll();
+  ASSERT_EQ(writer.gathered(), 0u) << "both are on their way";
+  while (refused < 2) {
+    storage_thread.restart();
+    cell.restart();
+    ASSERT_GT(storage_thread.poll() + cell.poll(), 0u);
+  }
+  EXPECT_EQ(writer.gathered(), 2u);
+  EXPECT_EQ(writer.gathered_since(), kWorldBegin + std::chrono::seconds(10))
+      << "the alarm goes by the oldest";
+}
 
 TEST_F(FullDiskTest, ShutDownDoesNotWaitForRoom) {
   cell.begin_run(lines_of(2, {2, -3, 1}, true));
