@@ -47,9 +47,9 @@ Awaitable<Result<void>> wait_for_change(ActiveRun& run) {
 void adopt_pause(ActiveRun& run) {
   const auto& asked = run.control.hold();
   auto& record = run.record;
-  if (record.state == RunState::paused || !run.control.held() ||
-      asked.kind == RunHold::Kind::condition)
-    return;
+  const bool is_halt = asked.kind == RunHold::Kind::pause || asked.kind == RunHold::Kind::stop ||
+                       asked.kind == RunHold::Kind::trouble;
+  if (record.state == RunState::paused || !is_halt) return;
   record.state = RunState::paused;
   record.hold = asked;
   record.reason = asked.reason;

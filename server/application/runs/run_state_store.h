@@ -22,8 +22,9 @@ Awaitable<Result<void>> store_state(ActiveRun& run);
 // as it fits: a pause that is not there would be over after a kill.
 Awaitable<Result<void>> wait_for_change(ActiveRun& run);
 
-// The daemon ends while a person's pause waits for the end of the point under way: the record's
-// state and hold become the pause's.
+// The daemon ends while a pause, a stop or a trouble waits for the end of the point under way: the
+// record's state and hold become theirs. What ends by itself, a condition or a question about the
+// cell file, leaves a run that waits.
 void adopt_pause(ActiveRun& run);
 
 // After a kill: the row that was under way, or was about to be, gets an attempt on record as
