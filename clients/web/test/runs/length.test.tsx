@@ -1,4 +1,4 @@
-// How long a run lasted is the daemon's figure: the clock that its instants are from may be set back meanwhile.
+// Length of a run: the daemon's figure. The clock that its instants are from may be set back meanwhile.
 import { create } from '@bufbuild/protobuf';
 import { DurationSchema } from '@bufbuild/protobuf/wkt';
 import { createRouterTransport } from '@connectrpc/connect';

@@ -233,7 +233,7 @@ TEST_F(AlarmBookTest, AnAlarmThatWasOverBeforeItCouldBeWrittenIsOnRecordWithItsB
   EXPECT_EQ(standing().size(), 2u) << "its return is another";
 }
 
-// What gathers in memory is out of sight while the store is asked to take it.
+// Alarms that gather in memory are out of sight while the store is asked to take them.
 TEST_F(AlarmBookTest, OneThatFlickersOnAFullDiskIsOneAlarm) {
   store->disk.full = true;
   look({lost("laser-x")});
