@@ -25,10 +25,10 @@ struct PlannedTable {
 }  // namespace
 
 PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times,
-                       const std::vector<double>& start_mm) {
+                       const std::vector<double>& start) {
   PointTimes out;
-  std::vector<double> at_mm = start_mm;
-  at_mm.resize(trajectory.coordinates.size(), 0.0);
+  std::vector<double> at = start;
+  at.resize(trajectory.coordinates.size(), 0.0);
   double now_s = 0;
   std::optional<double> force_n;
   for (const auto& point : trajectory.points) {
@@ -36,11 +36,14 @@ PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times,
       if (force_n) now_s += times.load_s;
       force_n = point.force_n;
     }
-    double farthest_mm = 0;
-    for (std::size_t k = 0; k < at_mm.size(); ++k)
-      farthest_mm = std::max(farthest_mm, std::abs(point.target[k] - at_mm[k]));
-    at_mm = point.target;
-    now_s += farthest_mm / times.velocity_mm_s;
+    double longest_s = 0;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const bool turns = trajectory.coordinates[k].unit == "arcsec";
+      const double velocity = turns ? times.velocity_arcsec_s : times.velocity_mm_s;
+      longest_s = std::max(longest_s, std::abs(point.target[k] - at[k]) / velocity);
+    }
+    at = point.target;
+    now_s += longest_s;
     const double waited_s = times.settle_s + point.dwell_s.value_or(0) + times.reading_s / 2;
     out.time_s.push_back(now_s + waited_s);
     out.dwell_s.push_back(waited_s);

@@ -18,10 +18,11 @@
 namespace driftwise::simulation {
 
 struct MotionTimes {
-  double velocity_mm_s = 5;  // of a move
-  double settle_s = 1;       // after it, before what the point asks for
-  double reading_s = 2;      // of one point
-  double load_s = 30;        // of a change of the force
+  double velocity_mm_s = 5;          // of a move
+  double velocity_arcsec_s = 36000;  // of a turn: ten degrees a second
+  double settle_s = 1;               // after it, before what the point asks for
+  double reading_s = 2;              // of one point
+  double load_s = 30;                // of a change of the force
 };
 
 // Seconds from the start to the middle of each point's readings; dwell_s: from the end of its move.
@@ -29,9 +30,10 @@ struct PointTimes {
   std::vector<double> time_s, dwell_s;
   double total_s = 0;
 };
-// All axes move at once. start_mm: where they stand; as many as coordinates, or none for 0.
+// All axes move at once. start: where they stand, mm or arcsec; as many as coordinates, or none for
+// 0.
 PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times,
-                       const std::vector<double>& start_mm = {});
+                       const std::vector<double>& start = {});
 
 // conditions: symbol and value of every channel that no point moves; the force where points say
 // none. model: motor coordinates from poses; the trajectory's coordinates are motor coordinates.

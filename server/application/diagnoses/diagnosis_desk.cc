@@ -12,6 +12,7 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/separating/separating.h"
 #include "server/formats/diagnosis/separating_text.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
@@ -42,8 +43,9 @@ Result<diagnosis::Diagnosis> diagnose_and_design(const Dataset& dataset,
   if (!found || std::ranges::none_of(found->findings, is_open)) return found;
   if (!options.progress(0.99, "designing the measurement that would tell them apart"))
     return fail(ErrorCode::cancelled, reasons::kCancelled, "it was cancelled");
-  const auto plan = diagnosis::separating_plan(dataset, options.baseline, *found,
-                                               diagnosis::limits_from(dataset));
+  const Dataset data = diagnosis::in_catalogue_units(dataset);
+  const auto plan = diagnosis::separating_plan(
+      data, diagnosis::in_catalogue_units(options.baseline), *found, diagnosis::limits_from(data));
   if (!plan)
     found->warnings.push_back("no separating measurement was designed: " + plan.error().message);
   else if (*plan)

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/core/try.h"
+#include "server/core/units.h"
 #include "server/diagnosis/separating/hypothesis.h"
 #include "server/diagnosis/separating/separating_power.h"
 
@@ -14,6 +15,10 @@ namespace {
 
 constexpr std::size_t kFewestPoints = 24, kMostPoints = 3072;
 constexpr std::size_t kMostForces = 12;
+// Motors that share the pose have corners of their ranges where none of them can be with the
+// others: the ranges shrink about their middle by this factor, to an eighth at least, until every
+// corner has a pose, and one no farther out than the data by this share of their range.
+constexpr double kShrink = 0.8, kSmallestShare = 0.125, kBeyondData = 0.1;
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
@@ -85,14 +90,15 @@ std::size_t hypotheses_left(const Tried& one) {
 class Designer {
  public:
   Designer(const Dataset& dataset, const calibration::Candidates& baseline,
-           const Diagnosis& diagnosis, const SeparatingLimits& limits)
-      : dataset_(dataset), baseline_(baseline), diagnosis_(diagnosis), limits_(limits) {}
+           const Diagnosis& diagnosis, SeparatingLimits limits)
+      : dataset_(dataset), baseline_(baseline), diagnosis_(diagnosis), limits_(std::move(limits)) {}
 
   Result<SeparatingPlan> design(std::vector<Hypothesis> hypotheses) {
     calibration::FitOptions fitting;
     fitting.candidates = baseline_;
     fitting.select = calibration::Select::all;
     DRIFTWISE_TRY(const auto model, calibration::fit(dataset_, fitting));
+    shrink_to_reach(model);
     std::vector<Tried> promising;
     SeparatingPower best;
     for (std::size_t points = kFewestPoints; points <= kMostPoints; points *= 2) {
@@ -131,6 +137,41 @@ class Designer {
   }
 
  private:
+  // Leaves the ranges as they are where no share of them helps: the error is then the plan's.
+  void shrink_to_reach(const calibration::Model& model) {
+    const PlanLimits whole = limits_.plan;
+    for (double share = 1; share > kSmallestShare; share *= kShrink) {
+      for (std::size_t k = 0; k < whole.coordinates.size(); ++k) {
+        const double middle = 0.5 * (whole.min[k] + whole.max[k]),
+                     half = 0.5 * (whole.max[k] - whole.min[k]);
+        limits_.plan.min[k] = middle - share * half;
+        limits_.plan.max[k] = middle + share * half;
+      }
+      if (has_poses_at_corners(model)) return;
+    }
+    limits_.plan = whole;
+  }
+
+  bool has_poses_at_corners(const calibration::Model& model) const {
+    const PlanLimits& box = limits_.plan;
+    Trajectory corners{.coordinates = box.coordinates, .points = {}};
+    for (std::size_t corner = 0; corner < std::size_t{1} << box.coordinates.size(); ++corner) {
+      TrajectoryPoint point;
+      for (std::size_t k = 0; k < box.coordinates.size(); ++k)
+        point.target.push_back((corner >> k & 1) == 0 ? box.min[k] : box.max[k]);
+      corners.points.push_back(std::move(point));
+    }
+    const auto rows = rows_of_plan(model, corners);
+    if (!rows) return false;
+    return std::ranges::all_of(model.domain, [&](const auto& range) {
+      if (!is_pose_symbol(range.channel.symbol)) return true;
+      const double beyond = kBeyondData * (range.max - range.min);
+      return std::ranges::all_of(rows->values_of(range.channel.symbol), [&](double value) {
+        return value > range.min - beyond && value < range.max + beyond;
+      });
+    });
+  }
+
   std::vector<effects::Term> model_terms() const { return baseline_.terms; }
 
   Result<Dataset> rows_of_plan(const calibration::Model& model,
@@ -161,18 +202,19 @@ class Designer {
   const Dataset& dataset_;
   const calibration::Candidates& baseline_;
   const Diagnosis& diagnosis_;
-  const SeparatingLimits& limits_;
+  SeparatingLimits limits_;
 };
 
-// Of a periodic hypothesis that is periodic in a length: the shortest one.
-std::optional<double> period_mm(const std::vector<Hypothesis>& hypotheses) {
+// Of a hypothesis that is periodic along a coordinate, in its unit: the shortest one.
+std::optional<double> shortest_period(const std::vector<Hypothesis>& hypotheses) {
   std::optional<double> shortest;
   for (const auto& one : hypotheses) {
     if (one.cause != "cyclic_error" || one.cells.empty()) continue;
     const auto* call = std::get_if<effects::Call>(&one.cells.front().terms.front().factors.front());
     if (call == nullptr || call->parameters.empty()) continue;
-    const double mm = call->parameters.front().value * 1e-6;
-    if (!shortest || mm < *shortest) shortest = mm;
+    const auto& period = call->parameters.front();
+    const double own = period.unit == "nm" ? period.value / kNmPerMm : period.value;
+    if (!shortest || own < *shortest) shortest = own;
   }
   return shortest;
 }
@@ -191,16 +233,18 @@ std::vector<double> spread_forces(std::vector<double> forces_n) {
 SeparatingLimits limits_from(const Dataset& dataset) {
   SeparatingLimits limits;
   for (const auto& column : dataset.columns) {
-    if (!is_motor_symbol(column.channel.symbol) || column.channel.unit != "mm") continue;
-    double low = 0, high = 0;
+    const auto& unit = column.channel.unit;
+    if (!is_motor_symbol(column.channel.symbol) || (unit != "mm" && unit != "arcsec")) continue;
+    double low = HUGE_VAL, high = -HUGE_VAL;
     for (const double value : column.values) {
       if (!std::isfinite(value)) continue;
       low = std::min(low, value);
       high = std::max(high, value);
     }
+    if (low > high) continue;
     limits.plan.coordinates.push_back(column.channel);
-    limits.plan.min_mm.push_back(low);
-    limits.plan.max_mm.push_back(high);
+    limits.plan.min.push_back(low);
+    limits.plan.max.push_back(high);
   }
   std::set<double> forces;
   for (const double value : dataset.values_of("force"))
@@ -224,9 +268,10 @@ Result<std::optional<SeparatingPlan>> separating_plan(const Dataset& dataset,
     if (hypotheses.size() < 2) continue;
     SeparatingLimits own = limits;
     if (own.plan.coordinates.empty()) own.plan = limits_from(dataset).plan;
-    own.plan.period_mm = period_mm(hypotheses);
-    DRIFTWISE_TRY(auto plan,
-                  Designer(dataset, baseline, diagnosis, own).design(std::move(hypotheses)));
+    own.plan.period = shortest_period(hypotheses);
+    DRIFTWISE_TRY(
+        auto plan,
+        Designer(dataset, baseline, diagnosis, std::move(own)).design(std::move(hypotheses)));
     if (plan.trajectory) return std::optional(std::move(plan));
     if (!first) first = std::move(plan);
   }

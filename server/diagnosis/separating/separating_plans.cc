@@ -11,7 +11,7 @@ constexpr double kShortDwell_s = 1, kLongDwell_s = 100;
 constexpr double kGolden = 0.6180339887498949;  // its multiples never come back
 constexpr std::size_t kPerLine = 10;
 constexpr std::size_t kMotionBlocks = 6;  // of moving and of resting, in turn
-constexpr double kGrain_mm = 1e-6;        // targets are whole nanometres
+constexpr double kGrain = 1e-6;  // targets are whole nanometres, or millionths of an arcsec
 
 class PlanWriter {
  public:
@@ -24,9 +24,9 @@ class PlanWriter {
              std::optional<double> force_n = {}) {
     TrajectoryPoint point;
     for (std::size_t k = 0; k < share.size(); ++k) {
-      const double mm = limits_.min_mm[k] +
-                        std::clamp(share[k], 0.0, 1.0) * (limits_.max_mm[k] - limits_.min_mm[k]);
-      point.target.push_back(std::round(mm / kGrain_mm) * kGrain_mm);
+      const double at =
+          limits_.min[k] + std::clamp(share[k], 0.0, 1.0) * (limits_.max[k] - limits_.min[k]);
+      point.target.push_back(std::round(at / kGrain) * kGrain);
     }
     point.line = static_cast<std::int64_t>(plan_.trajectory.points.size() / kPerLine);
     point.dwell_s = dwell_s;
@@ -113,11 +113,10 @@ CandidatePlan fine_steps(const PlanLimits& limits, std::size_t points) {
   for (std::size_t i = 0; plan.points() < points; ++i) {
     std::vector<double> share;
     for (std::size_t k = 0; k < limits.coordinates.size(); ++k) {
-      const double length_mm =
-          std::min(kPeriods * *limits.period_mm, limits.max_mm[k] - limits.min_mm[k]);
+      const double length = std::min(kPeriods * *limits.period, limits.max[k] - limits.min[k]);
       const double turned = static_cast<double>(i + 1) * kGolden;
       const double at = turned - std::floor(turned) - 0.5;
-      share.push_back(0.5 + at * length_mm / (limits.max_mm[k] - limits.min_mm[k]));
+      share.push_back(0.5 + at * length / (limits.max[k] - limits.min[k]));
     }
     plan.visit(share);
   }
@@ -157,7 +156,7 @@ std::vector<CandidatePlan> candidate_plans(const PlanLimits& limits, std::size_t
   for (const auto design : {dwell_contrast, both_sides, motion_on_off, irrational_steps, repeats})
     plans.push_back(design(limits, points));
   if (limits.forces_n.size() > 1) plans.push_back(random_forces(limits, points));
-  if (limits.period_mm) plans.push_back(fine_steps(limits, points));
+  if (limits.period) plans.push_back(fine_steps(limits, points));
   return plans;
 }
 

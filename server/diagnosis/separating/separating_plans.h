@@ -12,10 +12,11 @@
 namespace driftwise::diagnosis {
 
 struct PlanLimits {
-  std::vector<Channel> coordinates;    // "q1 mm", ..
-  std::vector<double> min_mm, max_mm;  // one per coordinate
-  std::vector<double> forces_n;        // that may be hung, ascending; fewer than two: none is
-  std::optional<double> period_mm;     // under suspicion: steps are laid across it
+  std::vector<Channel> coordinates;  // "q1 mm", "q2 arcsec"
+  std::vector<double> min, max;      // one per coordinate, in its unit
+  std::vector<double> forces_n;      // that may be hung, ascending; fewer than two: none is
+  std::optional<double>
+      period;  // in the coordinates' unit; under suspicion: steps are laid across it
 };
 
 struct CandidatePlan {

@@ -57,10 +57,10 @@ TEST(SeparatingLimits, KeepTheSmallestAndTheLargestForce) {
 
 PlanLimits two_axes() {
   return {.coordinates = {{"q1", "mm"}, {"q2", "mm"}},
-          .min_mm = {-4, 0},
-          .max_mm = {4, 2.5},
+          .min = {-4, 0},
+          .max = {4, 2.5},
           .forces_n = {0, 1.5, 3},
-          .period_mm = 2e-3};
+          .period = 2e-3};
 }
 
 TEST(SeparatingPlans, StayWithinTheLimits) {
@@ -71,8 +71,8 @@ TEST(SeparatingPlans, StayWithinTheLimits) {
     EXPECT_GE(plan.trajectory.points.size(), 96U) << plan.what;
     for (const auto& point : plan.trajectory.points)
       for (std::size_t k = 0; k < 2; ++k) {
-        EXPECT_GE(point.target[k], limits.min_mm[k]) << plan.what;
-        EXPECT_LE(point.target[k], limits.max_mm[k]) << plan.what;
+        EXPECT_GE(point.target[k], limits.min[k]) << plan.what;
+        EXPECT_LE(point.target[k], limits.max[k]) << plan.what;
       }
   }
 }
@@ -95,7 +95,7 @@ TEST(SeparatingPlans, HangEachForceAsOftenInNoOrder) {
 TEST(SeparatingPlans, WithoutForcesOrPeriodsLeaveThoseDesignsOut) {
   auto limits = two_axes();
   limits.forces_n = {0};
-  limits.period_mm.reset();
+  limits.period.reset();
   EXPECT_EQ(candidate_plans(limits, 24).size(), 5U);
 }
 
