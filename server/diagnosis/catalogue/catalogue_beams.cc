@@ -136,17 +136,9 @@ double longest_of_its_own(const CatalogueBuilder& builder) {
   if (builder.axes().size() != 1) return 0;
   const auto q = builder.data().values_of(builder.motors().front());
   const auto x = builder.data().values_of(builder.axes().front());
-  double n = 0, sq = 0, sx = 0, sqq = 0, sqx = 0, sxx = 0;
-  for (std::size_t row = 0; row < q.size(); ++row) {
-    const double a = q[row] - q.front(), b = x[row] - x.front();
-    if (!std::isfinite(a) || !std::isfinite(b)) continue;
-    ++n, sq += a, sx += b, sqq += a * a, sqx += a * b, sxx += b * b;
-  }
-  const double aa = sqq - sq * sq / n, ab = sqx - sq * sx / n, bb = sxx - sx * sx / n;
-  if (!(aa > 0)) return 0;
-  const double slope = std::abs(ab / aa);  // of the axis: a turn may become a way
-  if (!(slope > 0)) return 0;
-  const double apart = std::sqrt(std::max(bb - ab * ab / aa, 0.0) / n) / slope;
+  const StraightLine line = straight_line(q, x);
+  if (line.slope == 0) return 0;
+  const double apart = line.left_rms / std::abs(line.slope);  // a turn may become a way
   return 4 * std::numbers::pi *
          (builder.is_angle(builder.motors().front()) ? apart : nm_from_mm(apart));
 }

@@ -23,6 +23,31 @@ bool is_activity(const Channel& channel) {
 
 }  // namespace
 
+StraightLine straight_line(std::span<const double> from, std::span<const double> to) {
+  std::vector<std::pair<double, double>> rows;
+  double mean_from = 0, mean_to = 0;
+  for (std::size_t row = 0; row < std::min(from.size(), to.size()); ++row) {
+    if (!std::isfinite(from[row]) || !std::isfinite(to[row])) continue;
+    rows.emplace_back(from[row], to[row]);
+    mean_from += from[row];
+    mean_to += to[row];
+  }
+  if (rows.empty()) return {};
+  const auto count = static_cast<double>(rows.size());
+  mean_from /= count;
+  mean_to /= count;
+  double aa = 0, ab = 0, bb = 0;
+  for (const auto& [a, b] : rows) {
+    aa += (a - mean_from) * (a - mean_from);
+    ab += (a - mean_from) * (b - mean_to);
+    bb += (b - mean_to) * (b - mean_to);
+  }
+  if (!(aa > 0)) return {};
+  return {.slope = ab / aa,
+          .left_rms = std::sqrt(std::max(bb - ab * ab / aa, 0.0) / count),
+          .correlation = bb > 0 ? ab / std::sqrt(aa * bb) : 0};
+}
+
 double wave_step(double range, std::size_t half_turns) {
   constexpr std::size_t kMostFine = 2000;  // half turns: memory and time of the scan's columns
   return 1 / ((half_turns <= kMostFine ? 4 : 2) * range);

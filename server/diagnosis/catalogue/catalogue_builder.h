@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,13 @@ class CatalogueBuilder {
   Catalogue catalogue_;
 };
 
+// Of two channels over the rows that have both: the slope of the second over the first and what a
+// straight line leaves of it. All 0 where the first does not vary.
+struct StraightLine {
+  double slope = 0, left_rms = 0, correlation = 0;
+};
+StraightLine straight_line(std::span<const double> from, std::span<const double> to);
+
 // Step in 1/period of a grid of waves over a range, of so many half turns at most. A wave half a
 // step off its cell keeps sinc^2(range x step / 2) of its evidence: 95 % with a quarter of a turn
 // over the range, 81 % with half of one. The latter where the finer grid would be too large.
@@ -69,6 +77,7 @@ void add_geometry(CatalogueBuilder& builder);      // catalogue_geometry.cc
 void add_temperatures(CatalogueBuilder& builder);  // catalogue_conditions.cc
 void add_force(CatalogueBuilder& builder);
 void add_motion(CatalogueBuilder& builder);  // catalogue_motion.cc
+void add_probes(CatalogueBuilder& builder);
 void add_activities(CatalogueBuilder& builder);
 void add_beams(CatalogueBuilder& builder);  // catalogue_beams.cc
 void add_time(CatalogueBuilder& builder);   // catalogue_time.cc

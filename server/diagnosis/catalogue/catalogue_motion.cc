@@ -1,6 +1,7 @@
 // What the robot's own motion leaves behind: play, creep, heat.
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/core/units.h"
 #include "server/diagnosis/catalogue/catalogue_builder.h"
@@ -20,6 +21,8 @@ constexpr double kWidestPlay_arcsec = 100, kNarrowestPlay_arcsec = 0.002;
 // lost at a reversal grows along it (ISO 230-2 has the reversal value at each position). Prior
 // probability beside that of a play which is the same all along.
 constexpr double kUnevenPlay = 0.2;
+// Correlation of a coordinate with the motor that moves it alone.
+constexpr double kMovesAlone = 0.99;
 
 Cause of_motor(const std::string& id, const std::string& q, const std::string& parameter) {
   return {.id = id,
@@ -28,6 +31,25 @@ Cause of_motor(const std::string& id, const std::string& q, const std::string& p
           .applies_to = AppliesTo::robot,
           .parameter = parameter,
           .scale = ParameterScale::logarithmic};
+}
+
+// Full widths of a play over a coordinate, from what a short stage has to a quarter of the way.
+std::vector<double> widths_of_play(const CatalogueBuilder& builder, const std::string& symbol) {
+  const bool angle = builder.is_angle(symbol);
+  const double widest = angle ? kWidestPlay_arcsec : kWidestPlayNm;
+  const double quarter = (angle ? builder.range(symbol) : nm_from_mm(builder.range(symbol))) / 4;
+  // A stage of a hundred nanometres has a play of less than one.
+  const double narrowest =
+      std::min(angle ? kNarrowestPlay_arcsec : kNarrowestPlayNm, kNarrowestPlay * quarter);
+  return log_grid(narrowest, std::clamp(quarter, 2 * narrowest, widest));
+}
+
+// Does one motor move the coordinate, and it alone? By their correlation over the rows.
+bool moves_with_a_motor(const CatalogueBuilder& builder, const std::string& axis) {
+  return std::ranges::any_of(builder.motors(), [&](const std::string& q) {
+    const auto line = straight_line(builder.data().values_of(q), builder.data().values_of(axis));
+    return std::abs(line.correlation) > kMovesAlone;
+  });
 }
 
 std::vector<double> every(std::size_t step, const std::vector<double>& values) {
@@ -63,6 +85,24 @@ void add_activities(CatalogueBuilder& builder) {
     }
 }
 
+// Dry friction holds a touching instrument back by half the width on the side that it came from.
+// Along a coordinate that one motor moves alone it looks like that motor's play.
+void add_probes(CatalogueBuilder& builder) {
+  for (const auto& axis : builder.lengths()) {
+    if (moves_with_a_motor(builder, axis)) continue;
+    Cause drags{.id = "probe_hysteresis",
+                .subject = axis,
+                .where = "instrument",
+                .applies_to = AppliesTo::correction,
+                .parameter = "width_nm",
+                .scale = ParameterScale::logarithmic};
+    builder.add_values(drags, widths_of_play(builder, axis), [&](double width) {
+      return std::vector<Term>{call_term("play", {axis}, {{width, "nm"}})};
+    });
+    builder.take_cause(std::move(drags));
+  }
+}
+
 void add_motion(CatalogueBuilder& builder) {
   if (builder.motors().empty()) {
     for (const char* id : {"backlash", "creep", "self_heating"})
@@ -76,12 +116,7 @@ void add_motion(CatalogueBuilder& builder) {
     Cause play = of_motor("backlash", q, angle ? "width_arcsec" : "width_nm");
     play.linear = angle ? LinearParameter::width_arcsec : LinearParameter::width_nm;
     play.outputs = {q};
-    const double widest = angle ? kWidestPlay_arcsec : kWidestPlayNm;
-    const double quarter = (angle ? builder.range(q) : nm_from_mm(builder.range(q))) / 4;
-    // A stage of a hundred nanometres has a play of less than one.
-    const double narrowest =
-        std::min(angle ? kNarrowestPlay_arcsec : kNarrowestPlayNm, kNarrowestPlay * quarter);
-    const auto widths = log_grid(narrowest, std::clamp(quarter, 2 * narrowest, widest));
+    const auto widths = widths_of_play(builder, q);
     const auto play_of = [&](double width) { return call_term("play", {q}, {{width, unit}}); };
     builder.add_values(play, widths,
                        [&](double width) { return std::vector<Term>{play_of(width)}; });

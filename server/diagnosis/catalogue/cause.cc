@@ -42,6 +42,7 @@ Catalogue catalogue_for(const Dataset& dataset, const std::vector<effects::Term>
   add_temperatures(builder);
   add_force(builder);
   add_motion(builder);
+  add_probes(builder);
   add_activities(builder);
   add_beams(builder);
   add_time(builder);

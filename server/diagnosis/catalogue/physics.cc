@@ -173,6 +173,8 @@ std::span<const PhysicsRecord> physics_table() {
        "50 x", "a cantilever's length; legs that turn"},
       {"backlash", "nm; growth along the stroke", "200, 2e-5 of the stroke or 10 sigma; as much",
        "50 x", "screws 1 to 10 um"},
+      {"probe_hysteresis", "nm of a coordinate that no motor moves alone", "as backlash", "50 x",
+       "dry friction of a plunger's guide"},
       {"creep", "nm over the range of the moves", "1e-4 of the stroke or 10 sigma", "50 x",
        "piezos 1 %, screws 1e-4"},
       {"cyclic_error", "nm", "20, 1e-3 of the period within 1e-5 of the stroke, or 2 sigma", "10 x",
@@ -278,9 +280,9 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
     return kExpansion_ppm_per_k * nm_per_ppm(term, output) * of_first_order(term);
   if (id == "self_heating") return kHeating_k * per_k * per_column;
   if (id == "activity_heating") return kActivity_k * per_k * per_column;
-  if (id == "backlash")
+  if (id == "backlash" || id == "probe_hysteresis")
     return std::max({kPlay_nm, kPlay * stroke_nm, large}) / parameter *
-           (cause.linear == LinearParameter::width_nm ? kNmPerMm : 1) /
+           (cause.parameter == "width_nm" ? kNmPerMm : 1) /
            (term.factors.size() > 1 ? std::max(range_of(axis_of(term)), 1e-12) : 1);
   if (id == "creep") return std::max(kGeometry * stroke_nm, large) * per_column;
   if (id == "cyclic_error")
@@ -346,7 +348,8 @@ double Physics::range_factor(const Cause& cause, const effects::Term& term,
     return 3;
   }
   if (id == "step_change") return kUnlimited;
-  if (id.starts_with("force_") || id == "backlash" || id == "creep") return 50;
+  if (id.starts_with("force_") || id == "backlash" || id == "probe_hysteresis" || id == "creep")
+    return 50;
   if (id == "instrument_drift") return 20;
   if (id == "cosine_error") return is_square(term) ? 10 : 1 / kOfWorstBeam;
   // Share of the measured path: at most the whole, of an instrument that corrects nothing.

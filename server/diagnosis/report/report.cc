@@ -35,6 +35,25 @@ std::string numbered(std::size_t value, const std::string& name) {
   return "further" + (value > 1 ? std::to_string(value) : "") + "_" + name;
 }
 
+// Of each output along a pose coordinate, by the baseline's linear term of it: summary unit per
+// unit of the coordinate. Nothing where the baseline has none.
+std::optional<Eigen::VectorXd> slopes_along(const Problem& problem, const std::string& symbol) {
+  std::size_t at = problem.base.size();
+  for (std::size_t k = 0; k < problem.base.size(); ++k) {
+    const auto& factors = problem.base[k].factors;
+    if (factors.size() != 1) continue;
+    const auto* power = std::get_if<effects::Power>(&factors.front());
+    if (power != nullptr && power->symbol == symbol && power->exponent == 1) at = k;
+  }
+  if (at == problem.base.size()) return std::nullopt;
+  Eigen::VectorXd slopes(static_cast<Eigen::Index>(problem.outputs.size()));
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+    const WeightedFit fit(problem, problem.learned(problem.base_columns), Eigen::MatrixXd(), o);
+    slopes[static_cast<Eigen::Index>(o)] = fit.coefficient(static_cast<Eigen::Index>(at));
+  }
+  return slopes;
+}
+
 // Which axis an instrument's error belongs to: the one whose own column is spread over the outputs
 // as the error is, each output by its noise.
 struct AlongAxis {
@@ -50,26 +69,35 @@ AlongAxis axis_of(const Problem& problem, Eigen::MatrixXd sizes, const Eigen::Ve
   for (const auto& column : problem.data().columns) {
     const auto& symbol = column.channel.symbol;
     if (!is_coordinate(problem, column.channel)) continue;
-    std::size_t at = problem.base.size();
-    for (std::size_t k = 0; k < problem.base.size(); ++k) {
-      const auto& factors = problem.base[k].factors;
-      if (factors.size() != 1) continue;
-      const auto* power = std::get_if<effects::Power>(&factors.front());
-      if (power != nullptr && power->symbol == symbol && power->exponent == 1) at = k;
-    }
-    if (at == problem.base.size()) continue;
-    Eigen::VectorXd slopes(sizes.rows());
-    for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-      const WeightedFit fit(problem, problem.learned(problem.base_columns), Eigen::MatrixXd(), o);
-      const auto row = static_cast<Eigen::Index>(o);
-      slopes[row] = fit.coefficient(static_cast<Eigen::Index>(at)) / noise_sd[row];
-    }
+    const auto along = slopes_along(problem, symbol);
+    if (!along) continue;
+    const Eigen::VectorXd slopes = along->cwiseQuotient(noise_sd);
     const Eigen::RowVectorXd across = slopes.transpose() * sizes;
     const double alike = across.norm() > 0 ? across.norm() / (slopes.norm() * sizes.norm()) : 0;
     if (alike > best.alike)
       best = {symbol, column.channel.unit, std::abs(across[0]) / slopes.squaredNorm(), alike};
   }
   return best;
+}
+
+// Full width of a play of a pose coordinate that every output shows through its slope: one number
+// of all of them, each by its error. Empty where the baseline does not read the coordinate.
+// coefficients, errors: of the play's column, per output in summary units per unit of the column.
+std::optional<FoundParameter> width_along(const Problem& problem, const Cause& cause, double width,
+                                          const Eigen::VectorXd& coefficients,
+                                          const Eigen::VectorXd& errors) {
+  const auto slopes = slopes_along(problem, cause.subject);
+  if (!slopes) return std::nullopt;
+  double own = 0, weight = 0;
+  for (Eigen::Index o = 0; o < slopes->size(); ++o) {
+    if (!(errors[o] > 0) || !std::isfinite(errors[o])) continue;
+    own += (*slopes)[o] * coefficients[o] / std::pow(errors[o], 2);
+    weight += std::pow((*slopes)[o] / errors[o], 2);
+  }
+  if (!(weight > 0)) return std::nullopt;
+  const double value = width * std::abs(own / weight),
+               reach = kSigmaToU90 * width / std::sqrt(weight);
+  return FoundParameter{cause.parameter, value, Interval{value - reach, value + reach}, {}};
 }
 
 // A term is copied into formulas: a number of it has no more digits than the search tells apart.
@@ -96,7 +124,8 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                   .log_likelihood_ratio = named.likelihood / 2};
   const bool any_angle = std::ranges::any_of(
       problem.outputs, [](const ProblemOutput& output) { return output.unit == "arcsec"; });
-  const bool is_width = cause.linear == LinearParameter::width_nm ||
+  const bool of_the_pose = cause.id == "probe_hysteresis";
+  const bool is_width = of_the_pose || cause.linear == LinearParameter::width_nm ||
                         (cause.linear == LinearParameter::width_arcsec && any_angle);
   if (!cause.parameter.empty() && !is_width) {
     FoundParameter parameter{cause.parameter, named.values.front().parameter, {}, {}};
@@ -119,6 +148,8 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
   const SoftBase base = extension.learned(index);
   const auto shown = static_cast<std::size_t>(
       std::ranges::count_if(gain.of_output, [](double one) { return one > kShown2lnl; }));
+  Eigen::VectorXd of_play = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(on.size())),
+                  error_of_play = of_play;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     if (on[o] == 0) continue;
     const auto& output = problem.outputs[o];
@@ -136,6 +167,10 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       const double coefficient = fit.added_coefficient(k), error = fit.added_error(k);
       added += coefficient * named.learned.col(k);
       one.coefficients.push_back(coefficient / output.factor);
+      if (k == 0) {
+        of_play[static_cast<Eigen::Index>(o)] = coefficient;
+        error_of_play[static_cast<Eigen::Index>(o)] = error;
+      }
       const auto& term = named.terms[static_cast<std::size_t>(k)];
       const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
       const double at = named.values[v].parameter;
@@ -176,6 +211,10 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     }
     finding.outputs.push_back(std::move(one));
   }
+  if (of_the_pose)
+    if (const auto width =
+            width_along(problem, cause, named.values.front().parameter, of_play, error_of_play))
+      finding.parameters.push_back(*width);
   if (finding.subject.empty() && finding.outputs.size() == problem.outputs.size() &&
       cause.applies_to != effects::AppliesTo::robot) {
     const auto outputs = static_cast<Eigen::Index>(problem.outputs.size());

@@ -159,11 +159,14 @@ std::string what(const Finding& finding) {
       {"noise_change", "the spread changes, not the mean"},
       {"probe_hysteresis",
        "% is read on one of two sides, and no channel tells on which: dry friction or play in the "
-       "instrument that reads it"}};
+       "instrument that reads it"},
+      {"probe_hysteresis by motion",
+       "what reads % lags behind its motion: dry friction or play in the instrument"}};
   std::string about = finding.cause;
   if (about == "backlash" && of.starts_with("joint")) about += " joint";
   for (const auto& parameter : finding.parameters)
     if (parameter.name == "width_by_motion_arcsec") about += " by motion";
+  if (about == "probe_hysteresis" && !finding.terms.empty()) about += " by motion";
   const auto found = words.find(about);
   std::string text = found == words.end() ? finding.cause + " of %" : found->second;
   if (finding.cause == "instrument_drift" && !finding.terms.empty() &&

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -78,6 +79,29 @@ TEST(DataAmendment, CountsAPeriodicErrorFromPoseZeroWhereverTheDatumBegins) {
   ASSERT_TRUE(amend(of_the_cycle(), data.origins, {kBeginNs}, data.data));
   for (std::size_t row = 0; row < 39; ++row)
     EXPECT_NEAR(data.data.columns[0].values[row], data.truth_mm[row], 0.7e-6) << row;
+}
+
+// A plunger that sticks stays 150 nm short of where it was pushed, up and down.
+TEST(DataAmendment, GivesBackTheLengthBehindWhichATouchingProbeLags) {
+  CyclicData data;
+  DatasetColumn x{{"x", "mm"}, {}};
+  double plunger_mm = -150e-6;
+  for (int row = 0; row < 40; ++row) {
+    const double truth_mm = 0.01 * (row % 20 < 10 ? row % 20 : 19.5 - row % 20);
+    plunger_mm = std::clamp(plunger_mm, truth_mm - 150e-6, truth_mm + 150e-6);
+    data.truth_mm.push_back(truth_mm);
+    x.values.push_back(plunger_mm);
+    data.origins.push_back({{3}, row});
+    data.data.time_s.push_back(60.0 * row);
+  }
+  data.data.rows = 40;
+  data.data.columns = {x};
+  DataAmendment amendment;
+  amendment.shifts = {{"x", {call("play", {"x"}, {{300, "nm"}})}, {1}, {}, {}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  const auto& read_mm = data.data.columns[0].values;
+  for (std::size_t row = 2; row < 40; ++row)
+    EXPECT_NEAR(read_mm[row] - read_mm[1], data.truth_mm[row] - data.truth_mm[1], 1e-9) << row;
 }
 
 TEST(DataAmendment, CorrectsALengthInItsOwnUnit) {
