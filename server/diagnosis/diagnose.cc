@@ -29,6 +29,7 @@
 #include "server/diagnosis/rounded_outputs.h"
 #include "server/diagnosis/rows/catalogue_units.h"
 #include "server/diagnosis/rows/missing_values.h"
+#include "server/diagnosis/rows/rows_needed.h"
 #include "server/diagnosis/rows/screen.h"
 #include "server/diagnosis/search/column_bank.h"
 #include "server/diagnosis/stand_ins.h"
@@ -373,26 +374,6 @@ class Diagnoser {
   DataFaults faults_;
 };
 
-// A sensor that is frozen in more rows than the search can spare is left out of the baseline.
-calibration::Candidates without_dead_sensors(const calibration::Candidates& baseline,
-                                             const Dataset& dataset,
-                                             const std::vector<FaultySensor>& sensors,
-                                             std::vector<std::string>& dead) {
-  constexpr double kMostRows = 0.3;
-  calibration::Candidates result = baseline;
-  for (const auto& sensor : sensors) {
-    if (sensor.fault != SensorFault::frozen ||
-        static_cast<double>(sensor.rows.size()) < kMostRows * static_cast<double>(dataset.rows))
-      continue;
-    dead.push_back(sensor.channel);
-    std::erase_if(result.terms, [&](const effects::Term& term) {
-      const auto read = effects::symbols_of(term);
-      return std::ranges::find(read, sensor.channel) != read.end();
-    });
-  }
-  return result;
-}
-
 // Symbols of the channels that are conditions: no pose, no motor and no response.
 std::vector<std::string> conditions_of(const Dataset& dataset,
                                        const std::vector<std::string>& outputs) {
@@ -469,9 +450,9 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
                                 return laid ? two_ln_likelihood(*laid, level) : -INFINITY;
                               });
   DiagnoseOptions asked = options;
-  std::vector<std::string> dead;
-  asked.baseline = without_dead_sensors(options.baseline, dataset, sensors, dead);
-  asked.exclude_symbols.insert(asked.exclude_symbols.end(), dead.begin(), dead.end());
+  auto living = without_dead_sensors(options.baseline, dataset, sensors);
+  asked.baseline = std::move(living.baseline);
+  asked.exclude_symbols.insert(asked.exclude_symbols.end(), living.dead.begin(), living.dead.end());
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), whole.unread.begin(),
                                whole.unread.end());
   if (options.simulated.size() == 0 && several_datums(mended)) {

@@ -13,6 +13,10 @@
 namespace driftwise::diagnosis {
 namespace {
 
+// Of the baseline, left beside frozen ones: the gate leaves every second short block out.
+constexpr std::size_t kRowsPerTerm = 2;
+constexpr double kMostFrozen = 0.3;  // of the rows, of a thermometer that no baseline reads
+
 std::string count_text(std::size_t count) {
   return std::to_string(count) + (count == 1 ? " row" : " rows");
 }
@@ -71,6 +75,37 @@ Result<void> check_rows_needed(const Problem& problem) {
                   " to learn from, and finds " + std::to_string(found) + " in data of " +
                   count_text(problem.data().rows) + ": " +
                   (why.empty() ? "measure more, or leave terms out of the baseline" : why));
+}
+
+LivingBaseline without_dead_sensors(const calibration::Candidates& baseline, const Dataset& dataset,
+                                    const std::vector<FaultySensor>& sensors) {
+  LivingBaseline result{.baseline = baseline, .dead = {}};
+  const bool any_learns =
+      dataset.set.empty() || std::ranges::count(dataset.set, PointSet::calibration) > 0;
+  std::vector<char> learns(dataset.rows);
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    learns[row] =
+        !dataset.is_excluded(row) && (!any_learns || dataset.set_of(row) == PointSet::calibration);
+  for (const auto& sensor : sensors) {
+    if (sensor.fault != SensorFault::frozen) continue;
+    const auto reads = [&](const effects::Term& term) {
+      return std::ranges::count(effects::symbols_of(term), sensor.channel) > 0;
+    };
+    auto& terms = result.baseline.terms;
+    const bool is_read = std::ranges::any_of(terms, reads);
+    std::vector<char> left = learns;
+    for (const std::size_t row : sensor.rows) left[row] = 0;
+    const auto count = static_cast<std::size_t>(std::ranges::count(left, 1));
+    const double frozen =
+        static_cast<double>(sensor.rows.size()) / static_cast<double>(dataset.rows);
+    if (is_read ? count < kRowsPerTerm * (terms.size() + 1) : frozen >= kMostFrozen) {
+      result.dead.push_back(sensor.channel);
+      std::erase_if(terms, reads);
+    } else if (is_read) {
+      learns = std::move(left);
+    }
+  }
+  return result;
 }
 
 }  // namespace driftwise::diagnosis

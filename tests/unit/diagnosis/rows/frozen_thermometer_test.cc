@@ -82,6 +82,44 @@ TEST(AThermometerThatStandsStill, IsNoneWhereThePartRests) {
               ::testing::Not(Contains("sensor_fault t02")));
 }
 
+// Two parts with courses of their own; the second one's thermometer stands still from a row on.
+Diagnosis of_a_part_of_its_own(std::size_t from, unsigned seed) {
+  EverydayAxis axis(seed);
+  std::mt19937_64 random(seed + 7);
+  std::normal_distribution<double> normal;
+  std::vector<double> t02;
+  for (std::size_t row = 0; row < EverydayAxis::kRows; ++row) {
+    const double room = 0.6 * std::sin(axis.time_s[row] / 3000),
+                 part = 0.5 * std::sin(axis.time_s[row] / 1700 + 1);
+    axis.t01_degC[row] = 20 + room + 0.001 * normal(random);
+    t02.push_back(row < from ? 21 + part + 0.001 * normal(random) : t02.back());
+    axis.x_mm[row] = axis.q_mm[row] + 3e-5 * axis.q_mm[row] * axis.q_mm[row] + 60e-6 * room +
+                     90e-6 * part + 5e-6 * normal(random);
+  }
+  Dataset data = axis.dataset();
+  data.columns.push_back({{"t02", "degC"}, t02});
+  return diagnosed(data, "q1 ~ x + x^2 + t01 + t02");
+}
+
+// Half of the rows tell what the robot does with the part's temperature: the others wait for it.
+TEST(AThermometerThatStandsStill, CostsItsRowsAndNothingStandsInForIt) {
+  for (const unsigned seed : {71, 72}) {
+    const auto found = of_a_part_of_its_own(EverydayAxis::kRows / 2, seed);
+    EXPECT_THAT(names_found(found), ::testing::ElementsAre("sensor_fault t02"));
+    EXPECT_THAT(
+        found.warnings,
+        Contains(::testing::HasSubstr("a value of an output or of a term of the baseline")));
+  }
+}
+
+// Nine rows do not tell five coefficients.
+TEST(AThermometerThatStandsStill, LeavesTheBaselineWhereItsRowsAreTooFew) {
+  const auto found = of_a_part_of_its_own(9, 71);
+  EXPECT_THAT(names_found(found), Contains("sensor_fault t02"));
+  EXPECT_THAT(found.warnings, ::testing::Not(Contains(::testing::HasSubstr(
+                                  "a value of an output or of a term of the baseline"))));
+}
+
 }  // namespace
 }  // namespace frozen_thermometer_test
 }  // namespace driftwise::diagnosis
