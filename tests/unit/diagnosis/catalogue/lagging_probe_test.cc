@@ -20,7 +20,7 @@ using ::testing::Not;
 
 constexpr double kWidth_mm = 300e-6, kNoise_mm = 60e-6;
 
-// What lags behind by half the width at most, from its last place.
+// The place of what lags behind by half the width at most, from its last place.
 double dragged(double tip, double at) {
   return std::clamp(tip, at - kWidth_mm / 2, at + kWidth_mm / 2);
 }
