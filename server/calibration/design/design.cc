@@ -195,6 +195,18 @@ std::vector<std::size_t> spread_rows(const std::vector<std::size_t>& rows, std::
   return some;
 }
 
+// The weights with mean 1 over the rows: only their ratios mean something. A common factor, as the
+// unit of a variance is, would otherwise stand in every residual error that the model states.
+std::vector<double> about_one(std::span<const double> weights, std::span<const std::size_t> rows) {
+  double largest = 0, sum = 0;
+  for (const auto row : rows) largest = std::max(largest, weights[row]);
+  for (const auto row : rows) sum += weights[row] / largest;
+  std::vector<double> out(weights.begin(), weights.end());
+  if (!rows.empty())
+    for (auto& weight : out) weight = weight / largest / sum * static_cast<double>(rows.size());
+  return out;
+}
+
 }  // namespace
 
 Eigen::MatrixXd Design::block(Eigen::Index begin, Eigen::Index count) const {
@@ -313,6 +325,10 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
     centre(design.variables[v], variables.indicator[v] != 0);
   DRIFTWISE_TRY(auto basis, make_basis(design.variables, columns.monomials));
   design.basis = std::move(basis);
+  if (!weights.empty()) {
+    variables.storage.push_back(about_one(weights, design.rows));
+    weights = variables.storage.back();
+  }
   design.columns = DesignColumns(
       {std::move(variables.values), std::move(outputs), weights, std::move(variables.storage)},
       design.variables, design.basis);

@@ -63,6 +63,34 @@ TEST(Fit, FindsTheTermsThatMadeTheData) {
   EXPECT_NEAR(*model.outputs[0].accuracy.u90_validation, 1.645 * 3e-6, 1e-6);
 }
 
+TEST(Fit, AsksOfWeightsTheirRatiosOnly) {
+  Dataset data = make_campaign({});
+  data.columns.push_back({{"w", "1"}, {}});
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns.back().values.push_back(i % 2 == 0 ? 1 : 0.5);
+  FitOptions options;
+  options.weight_symbol = "w";
+  const Model once = fitted(data, options);
+  const auto& before = once.outputs[0];
+  EXPECT_NEAR(before.accuracy.rmse, 3e-6, 0.6e-6);      // the noise that was put in
+  for (const double factor : {2.5e9, 1e-300, 1e300}) {  // 1/variance in 1/mm^2, or in any unit
+    Dataset scaled = data;
+    for (auto& weight : scaled.columns.back().values) weight *= factor;
+    const Model other = fitted(scaled, options);
+    const auto& after = other.outputs[0];
+    ASSERT_EQ(terms_in(after), terms_in(before)) << factor;
+    EXPECT_NEAR(after.accuracy.rmse, before.accuracy.rmse, 1e-9 * before.accuracy.rmse) << factor;
+    EXPECT_NEAR(*after.accuracy.u90_validation, *before.accuracy.u90_validation,
+                1e-9 * *before.accuracy.u90_validation);
+    for (std::size_t k = 0; k < before.report.size(); ++k) {
+      EXPECT_NEAR(after.report[k].contribution_rms, before.report[k].contribution_rms,
+                  1e-9 * before.report[k].contribution_rms);
+      EXPECT_NEAR(after.report[k].standard_error, before.report[k].standard_error,
+                  1e-7 * before.report[k].standard_error);
+    }
+  }
+}
+
 TEST(Fit, ChoosesTheSameWhateverTheUnits) {
   const Dataset data = make_campaign({});
   const Model plain = fitted(data);
