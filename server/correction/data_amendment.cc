@@ -82,10 +82,13 @@ Result<std::optional<std::vector<double>>> shift_by_row(const Shift& shift,
       auto fork = evaluator;
       fork.step(time_s, zero, columns);
       const double there = weighted(columns, weights_of(shift));
-      begin = at_zero.emplace(key, std::isfinite(there) ? there : 0.0).first;
+      // A datum whose first rows lack a reading counts from the first that has it; until then
+      // nothing can be taken off.
+      if (std::isfinite(there)) begin = at_zero.emplace(key, there).first;
     }
     evaluator.step(time_s, now, columns);
-    by_row[row] = weighted(columns, weights_of(shift)) - begin->second;
+    by_row[row] =
+        begin == at_zero.end() ? kMissing : weighted(columns, weights_of(shift)) - begin->second;
   }
   return Rows(std::move(by_row));
 }

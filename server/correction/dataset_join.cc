@@ -13,15 +13,13 @@
 #include "server/core/try.h"
 #include "server/correction/join_agreement.h"
 #include "server/correction/join_angles.h"
+#include "server/correction/join_lengths.h"
 #include "server/correction/join_suspicion.h"
 #include "server/correction/return_subtraction.h"
 #include "server/correction/robust.h"
 
 namespace driftwise::correction {
 namespace {
-
-constexpr std::array<const char*, 3> kLengths = {"x", "y", "z"};
-constexpr std::array<const char*, 3> kAngles = {"rx", "ry", "rz"};
 
 MatchedRows matched(const JoinParts& parts) {
   std::map<std::int64_t, std::vector<std::size_t>> found;
@@ -42,10 +40,6 @@ std::size_t count_of_rows(const JoinParts& parts) {
   for (const auto& part : parts)
     for (std::size_t i = 0; i < part.data.rows; ++i) all.insert(part.row_of(i));
   return all.size();
-}
-
-bool has_values(const DatasetColumn& column) {
-  return std::ranges::any_of(column.values, [](double value) { return !is_missing(value); });
 }
 
 // Parts that measured a channel; errors where they give it in different units.
@@ -86,110 +80,6 @@ double mean_of(const JoinParts& parts, const MatchedRows& rows,
   }
   if (count == 0) return kMissing;
   return of_squares ? std::sqrt(sum / count) : sum / count;
-}
-
-// Pose of one row as a correction stage sees it.
-struct Seen {
-  Vector3 path_mm{};
-  Tilt tilt;
-};
-
-double arcsec_per_unit(const Channel& channel) { return summary_unit(channel.unit).factor; }
-double mm_per_unit_of(const Channel& channel) {
-  return mm_from_nm(summary_unit(channel.unit).factor);
-}
-
-const DatasetColumn* path_column(const Dataset& data, const char* length) {
-  if (const auto* path = data.find(std::string(length) + "_path"); path && has_values(*path))
-    return path;
-  return data.find(length);
-}
-
-double& tilt_component(Tilt& tilt, std::size_t axis) {
-  return axis == 0 ? tilt.rx_arcsec : axis == 1 ? tilt.ry_arcsec : tilt.rz_arcsec;
-}
-
-void add_part(const JoinPart& part, std::size_t row, Seen& seen, std::array<double, 6>& counts) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (const auto* path = path_column(part.data, kLengths[i]);
-        path && !is_missing(path->values[row])) {
-      seen.path_mm[i] += mm_per_unit_of(path->channel) * path->values[row];
-      counts[i] += 1;
-    }
-    if (const auto* angle = part.data.find(kAngles[i]); angle && !is_missing(angle->values[row])) {
-      tilt_component(seen.tilt, i) += arcsec_per_unit(angle->channel) * angle->values[row];
-      counts[3 + i] += 1;
-    }
-  }
-}
-
-Seen mean_seen(Seen seen, const std::array<double, 6>& counts) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (counts[i] > 0) seen.path_mm[i] /= counts[i];
-    if (counts[3 + i] > 0) tilt_component(seen.tilt, i) /= counts[3 + i];
-  }
-  return seen;
-}
-
-Seen seen_by(const JoinPart& part, std::size_t row) {
-  Seen seen;
-  std::array<double, 6> counts{};
-  add_part(part, row, seen, counts);
-  return mean_seen(seen, counts);
-}
-
-Seen seen_by_all(const JoinParts& parts, const MatchedRows& rows, std::size_t k) {
-  Seen seen;
-  std::array<double, 6> counts{};
-  for (std::size_t p = 0; p < parts.size(); ++p) add_part(parts[p], rows.index[p][k], seen, counts);
-  return mean_seen(seen, counts);
-}
-
-bool was_corrected(const Dataset& data, const char* length) {
-  const auto* path = data.find(std::string(length) + "_path");
-  return path && has_values(*path);
-}
-
-// Standard uncertainty of each joined angle, arcsec; for what it does to a length.
-using AngleU = std::array<double, 3>;
-
-// The lengths of every part with the angles of all parts. u_mm: what the angles' own uncertainty
-// leaves in each length, root mean square over the rows.
-std::array<double, 3> correct_lengths(const MatchedRows& rows, const AngleU& u_arcsec,
-                                      JoinParts& parts) {
-  std::array<double, 3> square{}, count{};
-  const JoinParts as_measured = parts;
-  for (std::size_t k = 0; k < rows.row.size(); ++k) {
-    const Seen all = seen_by_all(as_measured, rows, k);
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      const auto& stage = as_measured[p].stage;
-      if (!stage) continue;
-      const std::size_t row = rows.index[p][k];
-      const Seen own = seen_by(as_measured[p], row);
-      const auto with_all = pose_from_paths(all.path_mm, all.tilt, *stage);
-      const auto with_own = pose_from_paths(own.path_mm, own.tilt, *stage);
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto* source = as_measured[p].data.find(kLengths[i]);
-        if (source == nullptr || is_missing(source->values[row])) continue;
-        const double before_mm =
-            was_corrected(as_measured[p].data, kLengths[i]) ? with_own[i] : own.path_mm[i];
-        const double by_mm = with_all[i] - before_mm;
-        auto& column = parts[p].data.columns[static_cast<std::size_t>(
-            source - as_measured[p].data.columns.data())];
-        column.values[row] += by_mm / mm_per_unit_of(column.channel);
-        for (std::size_t angle = 0; angle < 3; ++angle) {
-          Tilt moved = all.tilt;
-          tilt_component(moved, angle) += u_arcsec[angle];
-          const double off = pose_from_paths(all.path_mm, moved, *stage)[i] - with_all[i];
-          square[i] += off * off;
-        }
-        count[i] += 1;
-      }
-    }
-  }
-  std::array<double, 3> u_mm{};
-  for (std::size_t i = 0; i < 3; ++i) u_mm[i] = count[i] > 0 ? std::sqrt(square[i] / count[i]) : 0;
-  return u_mm;
 }
 
 // Sigma of a part's motor coordinates about their mean over the parts, mm; the worst motor.
@@ -240,7 +130,13 @@ class Join {
       DRIFTWISE_TRY(const auto u, angle_u(kAngles[i]));
       u_arcsec[i] = u;
     }
-    u_of_angles_mm_ = correct_lengths(rows_, u_arcsec, parts_);
+    const auto corrected = correct_lengths(rows_, u_arcsec, parts_);
+    u_of_angles_mm_ = corrected.u_mm;
+    if (corrected.rows_without_angle > 0)
+      out_.report.warnings.push_back(
+          fmt::format("a rotation that corrects lengths is missing in {} of {} rows: these lengths "
+                      "are missing there",
+                      corrected.rows_without_angle, rows_.row.size()));
     DRIFTWISE_RETURN_IF_ERROR(fill_rows());
     return std::move(out_);
   }

@@ -138,6 +138,23 @@ TEST(DataAmendment, CountsFromTheZeroOfEachDatum) {
   EXPECT_NEAR(shift_nm(30), 10, 1e-6);
 }
 
+TEST(DataAmendment, CountsFromTheFirstRowThatHasTheReading) {
+  auto data = cyclic_data();
+  DatasetColumn t{{"t05", "degC"}, {}};
+  for (int row = 0; row < 40; ++row) t.values.push_back(row < 2 ? kMissing : 20 + 0.1 * row);
+  data.data.columns.push_back(t);
+  const auto before = data.data.columns[0].values;
+  DataAmendment amendment;
+  amendment.shifts = {{"x", {{{Power{"t05", 1}}}}, {1e-4}, {}, {}}};  // 100 nm/K
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  const auto shift_nm = [&](std::size_t row) {
+    return (before[row] - data.data.columns[0].values[row]) * 1e6;
+  };
+  EXPECT_NEAR(shift_nm(2), 0, 1e-6) << "not 100 nm/K of 20 degC";
+  EXPECT_NEAR(shift_nm(12), 100, 1e-6);
+  EXPECT_TRUE(is_missing(data.data.columns[0].values[0])) << "what it is there cannot be known";
+}
+
 TEST(DataAmendment, ADriftHoldsForTheRunsItWasFoundInByTheirOwnClock) {
   auto data = cyclic_data();
   for (std::size_t row = 20; row < 40; ++row) data.origins[row].run = {4};

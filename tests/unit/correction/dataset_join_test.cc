@@ -211,6 +211,40 @@ TEST(DatasetJoin, SaysWhereEachCoordinateComesFromAndChecksTheOneThatWasSeenTwic
   EXPECT_TRUE(joined->report.warnings.empty()) << joined->report.warnings.front();
 }
 
+// A length that two sessions measured is a check, whether or not a stage corrects it by the angles
+// of both: here the second one's scale is 100 ppm off.
+TEST(DatasetJoin, ChecksALengthThatTwoSessionsMeasuredBehindTheirCorrection) {
+  const SetUp again{"again", {"x", "ry", "rz"}, 5, -20};
+  JoinParts parts = {measured(kFirst), measured(again), measured(kThird)};
+  for (const char* symbol : {"x", "x_path"})
+    for (double& value : column(parts[1], symbol).values) value *= 1 + 100e-6;
+  const auto joined = join(parts, {});
+  ASSERT_TRUE(joined) << joined.error().message;
+  const auto& x = channel(joined->report, "x");
+  ASSERT_TRUE(x.check);
+  // 1.4826 times the median of |100 ppm x|, x even over -1 .. 1: 50 nm, and noise of 25 and 5 nm.
+  EXPECT_NEAR(x.check->sigma * 1e6, 74, 20);
+  EXPECT_GT(*x.u * 1e6, 30);
+  for (auto& part : parts) part.stage.reset();
+  const auto uncorrected = join(parts, {});
+  ASSERT_TRUE(uncorrected);
+  EXPECT_NEAR(x.check->sigma, channel(uncorrected->report, "x").check->sigma, 10e-6);
+}
+
+TEST(DatasetJoin, ALengthWithoutTheRotationThatCorrectsItIsMissing) {
+  auto parts = three();
+  constexpr std::size_t kRow = 40;
+  for (auto& part : {&parts[0], &parts[1]}) column(*part, "ry").values[kRow] = kMissing;
+  const auto joined = join(parts, {});
+  ASSERT_TRUE(joined) << joined.error().message;
+  // x and z are moved by ry, y is not (beams meet their mirrors at the diagonal).
+  EXPECT_TRUE(is_missing(joined->data.find("x")->values[kRow]));
+  EXPECT_TRUE(is_missing(joined->data.find("z")->values[kRow]));
+  EXPECT_FALSE(is_missing(joined->data.find("y")->values[kRow]));
+  EXPECT_FALSE(is_missing(joined->data.find("x")->values[kRow + 1]));
+  EXPECT_THAT(joined->report.warnings, testing::Contains(HasSubstr("missing in 1 of ")));
+}
+
 // Servos that rest at +-30 nm: of returns to zero the median is at one of the two, and so much the
 // joined zero would be off; the deviations from the mean of three runs are 0, 20 and 40 nm.
 TEST(DatasetJoin, KnowsTheHoldingErrorOfServosThatRestAtTwoPlaces) {
