@@ -69,6 +69,22 @@ std::vector<double> SlowState::settled_calls(std::span<const double> channels) c
   return out;
 }
 
+CallSlopes SlowState::settled_slopes(std::span<const double> channels) const {
+  constexpr double kStep = 1e-3;  // K or N; exact for what is linear or quadratic in the channel
+  CallSlopes out(calls_.size(), std::vector<double>(channels_.size(), 0.0));
+  std::vector<double> moved(channels.begin(), channels.end());
+  for (std::size_t i = 0; i < calls_.size(); ++i)
+    for (const std::size_t j : calls_[i].channels) {
+      moved[j] = channels[j] + kStep;
+      const double above = settled(calls_[i], moved);
+      moved[j] = channels[j] - kStep;
+      const double slope = (above - settled(calls_[i], moved)) / (2 * kStep);
+      moved[j] = channels[j];
+      if (!is_missing(slope)) out[i][j] = slope;
+    }
+  return out;
+}
+
 std::vector<double> SlowState::call_values(std::span<const double> channels_instead) const {
   std::vector<double> out;
   for (const auto& tracker : calls_) {
@@ -89,20 +105,23 @@ double value_of(const SlowProduct& product, std::span<const double> channels,
 }
 
 double derivative_of(const SlowProduct& product, std::size_t channel,
-                     std::span<const double> channels, std::span<const double> calls) {
-  double value = 0.0;
-  bool found = false;
-  for (const auto& factor : product.powers) {
-    if (factor.index != channel) continue;
-    found = true;
-    value = factor.exponent;
-    if (factor.exponent > 1) value *= effects::power(channels[channel], factor.exponent - 1);
+                     std::span<const double> channels, std::span<const double> calls,
+                     const CallSlopes& slopes) {
+  double of_calls = 1, powers = 1, by_power = 0, by_calls = 0;
+  for (const std::size_t call : product.calls) {
+    by_calls = by_calls * calls[call] + of_calls * slopes[call][channel];
+    of_calls *= calls[call];
   }
-  if (!found) return 0.0;
-  for (const auto& factor : product.powers)
-    if (factor.index != channel) value *= effects::power(channels[factor.index], factor.exponent);
-  for (const std::size_t call : product.calls) value *= calls[call];
-  return value;
+  for (const auto& factor : product.powers) {
+    const double value = effects::power(channels[factor.index], factor.exponent);
+    double slope = 0;
+    if (factor.index == channel)
+      slope = factor.exponent *
+              (factor.exponent > 1 ? effects::power(channels[channel], factor.exponent - 1) : 1);
+    by_power = by_power * value + powers * slope;
+    powers *= value;
+  }
+  return by_power * of_calls + powers * by_calls;
 }
 
 }  // namespace driftwise::compensation

@@ -26,6 +26,8 @@ struct SlowProduct {
   std::vector<std::size_t> calls;  // index: of an effect
 };
 
+using CallSlopes = std::vector<std::vector<double>>;
+
 class SlowState {
  public:
   struct Latest {
@@ -50,6 +52,9 @@ class SlowState {
   std::vector<double> call_values(std::span<const double> channels_instead = {}) const;
   // Each effect's output in equilibrium with these channel values, whatever it saw.
   std::vector<double> settled_calls(std::span<const double> channels) const;
+  // By how much each effect's output grows per unit of each channel, once it has settled: calls x
+  // channels. A constant error of a sensor arrives so.
+  CallSlopes settled_slopes(std::span<const double> channels) const;
   const std::vector<std::size_t>& channels_of_call(std::size_t call) const {
     return calls_[call].channels;
   }
@@ -73,9 +78,10 @@ class SlowState {
 
 double value_of(const SlowProduct& product, std::span<const double> channels,
                 std::span<const double> calls);
-// By one channel; effects with memory count as constants: their response to an error of their
-// sensor is not followed.
+// By one channel. Effects with memory count with the slope that they settle at: 1 of a lag, 0 of a
+// rate.
 double derivative_of(const SlowProduct& product, std::size_t channel,
-                     std::span<const double> channels, std::span<const double> calls);
+                     std::span<const double> channels, std::span<const double> calls,
+                     const CallSlopes& slopes);
 
 }  // namespace driftwise::compensation

@@ -101,6 +101,7 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   std::vector<double> basis;
   basis_.evaluate(pose, basis);
 
+  const auto call_slopes = slow_.settled_slopes(channels);
   std::vector<Datum> data;
   for (const auto& output : outputs_) {
     Datum datum;
@@ -110,7 +111,8 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
     for (std::size_t j = 0; j < channels.size(); ++j) {
       auto& slopes = datum.term_slopes.emplace_back();
       for (const auto& term : output.terms)
-        slopes.push_back(basis[term.basis] * derivative_of(term.slow, j, channels, calls));
+        slopes.push_back(basis[term.basis] *
+                         derivative_of(term.slow, j, channels, calls, call_slopes));
     }
     data.push_back(std::move(datum));
   }

@@ -337,6 +337,7 @@ SnapshotBuilder::Conditions SnapshotBuilder::look_at_inputs(CellTime now,
     conditions.middle.push_back(middle);
   }
   conditions.calls = slow_.call_values(conditions.channels);
+  conditions.call_slopes = slow_.settled_slopes(conditions.channels);
   conditions.middle_calls = slow_.settled_calls(conditions.middle);
   return conditions;
 }

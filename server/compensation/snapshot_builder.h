@@ -105,6 +105,7 @@ class SnapshotBuilder {
   };
   struct Conditions {  // the slow side at the instant of building
     std::vector<double> channels, calls, u_systematic, u_independent;
+    CallSlopes call_slopes;
     std::vector<double> middle, middle_calls;  // of the fitted ranges, in equilibrium
   };
 

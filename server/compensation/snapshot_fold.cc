@@ -128,7 +128,8 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
     for (std::size_t k = 0; k < terms; ++k) {
       const Wide c = model.terms[k].coefficient;
       slope[model.terms[k].basis] +=
-          c * static_cast<Wide>(derivative_of(model.terms[k].slow, j, now.channels, now.calls));
+          c * static_cast<Wide>(
+                  derivative_of(model.terms[k].slow, j, now.channels, now.calls, now.call_slopes));
       if (datum) slope_at_zero += c * static_cast<Wide>(datum->term_slopes[j][k]);
     }
     add_root(UncertaintySource::temperatures, slope, now.u_independent[j]);

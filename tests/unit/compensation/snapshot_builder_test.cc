@@ -268,6 +268,33 @@ TEST(SnapshotBuilder, FollowsAnEffectWithMemoryThroughObservedReadingsOnly) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(lagged(later), once);  // asking advances nothing
 }
 
+// A model that follows a temperature through a lag knows no more of a thermometer that went silent.
+TEST(SnapshotBuilder, AThermometerThatFellSilentIsAsUncertainBehindALag) {
+  const auto u_nm = [](const effects::Term& temperature, double age_s) {
+    auto model = axis_model();
+    model.outputs[0].terms[3] = temperature;
+    auto builder = builder_of(model);
+    builder.keep_model_datum();
+    if (age_s >= 0) observe(builder, 21, kBuiltAt - nanoseconds_from_s(age_s));
+    TargetRequest request;
+    request.set(Variable::x, 0);
+    const auto budget = compute_budget(builder.build(kBuiltAt), request, 0);
+    for (std::size_t i = 0; i < budget.lines; ++i)
+      if (budget.line[i].source == UncertaintySource::temperatures) return budget.line[i].u_nm;
+    return 0.0;
+  };
+  const auto plain = term({power("t07")});
+  const effects::Term lagged = {{effects::Call{"lag", {"t07"}, {{600, "s"}}}}};
+  const effects::Term lagged_square = {{effects::Call{"lag", {"t07"}, {{600, "s"}}}, power("t07")}};
+  // 1 um/K over a fitted range of 2 K: half of it over the root of 3.
+  for (const double age_s : {36000.0, -1.0}) {
+    EXPECT_NEAR(u_nm(plain, age_s), 1e3 * 2 / std::sqrt(12.0), 1);
+    EXPECT_NEAR(u_nm(lagged, age_s), u_nm(plain, age_s), 1e-6);
+    EXPECT_NEAR(u_nm(lagged_square, age_s), 2 * 21 * u_nm(plain, age_s), 1e-3);
+  }
+  EXPECT_NEAR(u_nm(lagged, 0), u_nm(plain, 0), 1e-6);  // the certificate's error, both
+}
+
 TEST(SnapshotBuilder, IgnoresAReadingThatArrivesLate) {
   auto builder = builder_of(axis_model());
   observe(builder, 21);
