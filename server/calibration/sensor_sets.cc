@@ -76,6 +76,16 @@ Result<SensorStudy> study_sensors(const Dataset& dataset, const FitOptions& base
   if (base.blocks < 2)
     return fail(ErrorCode::invalid_argument, reasons::kNoBlocks,
                 "sets are ranked by blocks of time held out: give at least 2 blocks");
+  const DatasetColumn* first = nullptr;
+  for (const auto& symbol : base.candidates.outputs) {
+    const auto* column = dataset.find(symbol);
+    if (column == nullptr) continue;
+    if (first != nullptr && column->channel.unit != first->channel.unit)
+      return fail(ErrorCode::invalid_argument, reasons::kUnitsDisagree,
+                  "outputs in " + first->channel.unit + " and " + column->channel.unit +
+                      " have no common figure to rank sets by: study each kind by itself");
+    if (first == nullptr) first = column;
+  }
   const std::size_t count = std::size_t{1} << sensors.size();
   std::vector<std::optional<SensorSet>> sets(count);
   Error why;

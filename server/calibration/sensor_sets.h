@@ -40,8 +40,8 @@ constexpr std::size_t kMostSensors = 14;  // 16 384 sets
 // Every set is tried: no greedy path that misses two sensors which only help together. base: as for
 // fit(), blocks at least 2; its executor shares out the sets. tolerance: of the recommendation, as
 // a share. Errors: invalid_argument NO_SENSORS (no thermometer among the candidates),
-// TOO_MANY_SENSORS, NO_BLOCKS; those of fit() with all sensors. A set that cannot be fitted is
-// passed over.
+// TOO_MANY_SENSORS, NO_BLOCKS, UNITS_DISAGREE (outputs in several units); those of fit() with all
+// sensors. A set that cannot be fitted is passed over.
 Result<SensorStudy> study_sensors(const Dataset& dataset, const FitOptions& base,
                                   double tolerance = 0.1);
 

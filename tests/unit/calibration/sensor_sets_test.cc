@@ -85,5 +85,14 @@ TEST(SensorSets, NeedThermometersAndBlocks) {
   EXPECT_EQ(study_sensors(data, options).error().reason, "NO_BLOCKS");
 }
 
+TEST(SensorSets, AreNotRankedByOneFigureOfLengthsAndAngles) {
+  auto data = warm_axis();
+  data.columns.push_back({{"rx", "arcsec"}, data.columns[0].values});
+  const auto study = study_sensors(data, options_for(data, "q1 + rx ~ x + T"));
+  ASSERT_FALSE(study);
+  EXPECT_EQ(study.error().reason, "UNITS_DISAGREE");
+  EXPECT_THAT(study.error().message, testing::HasSubstr("mm and arcsec"));
+}
+
 }  // namespace
 }  // namespace driftwise::calibration
