@@ -13,6 +13,7 @@
 #include "server/application/ports/run_plan.h"
 #include "server/core/data/dataset_parts.h"
 #include "server/core/data/measured_by.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -52,32 +53,6 @@ std::string corrections_in_force(Store& store) {
       if (record.in_force())
         numbers += (numbers.empty() ? "" : ", ") + std::to_string(record.id.value);
   return numbers;
-}
-
-template <class T>
-void keep_rows(std::vector<T>& values, const std::vector<std::size_t>& rows) {
-  if (values.empty()) return;
-  std::vector<T> kept;
-  kept.reserve(rows.size());
-  for (const std::size_t row : rows) kept.push_back(values[row]);
-  values = std::move(kept);
-}
-
-void leave_excluded_out(Dataset& dataset) {
-  if (dataset.excluded.empty()) return;
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < dataset.rows; ++row)
-    if (!dataset.is_excluded(row)) rows.push_back(row);
-  keep_rows(dataset.time_s, rows);
-  keep_rows(dataset.set, rows);
-  keep_rows(dataset.line, rows);
-  keep_rows(dataset.zero, rows);
-  keep_rows(dataset.dwell_s, rows);
-  keep_rows(dataset.run, rows);
-  keep_rows(dataset.datum, rows);
-  for (auto& column : dataset.columns) keep_rows(column.values, rows);
-  dataset.excluded.clear();
-  dataset.rows = rows.size();
 }
 
 // Names of the sets of every row, where a trajectory or an imported file gave them (set_names.h).

@@ -16,4 +16,8 @@ inline bool is_suspect(const Dataset& dataset, std::size_t row) {
   return !dataset.excluded.empty() && dataset.excluded[row] == kSuspectRow;
 }
 
+// The dataset without the rows that are kept out. For figures over the rows by themselves: effects
+// with memory need them.
+void leave_excluded_out(Dataset& dataset);
+
 }  // namespace driftwise

@@ -1,5 +1,7 @@
 // `driftwise standard` and the trajectories it needs, on files.
 
+#include <fmt/format.h>
+
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -30,6 +32,36 @@ TEST_F(CliTest, FiguresOfAFileNeedNoDaemon) {
   EXPECT_EQ(poses.at("poses").size(), 5U);
   EXPECT_THAT(run({"standard", "iso9283", standards_data("iso9283.csv")}).out,
               HasSubstr("5 poses, 30 cycles"));
+}
+
+TEST_F(CliTest, RowsThatAFileKeepsOutAreNoFiguresOfAStandard) {
+  std::istringstream lines(read_file(standards_data("iso230_3.csv")));
+  std::string kept, marked;
+  int row = 0;  // of the table; 0: its head
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('#')) continue;
+    const bool out = row % 7 == 3;
+    if (!out) kept += line + '\n';
+    marked += line + (row == 0 ? ",excluded\n" : out ? ",1\n" : ",0\n");
+    ++row;
+  }
+  const auto without = json({"standard", "iso230-3", file("kept.csv", kept)});
+  EXPECT_EQ(json({"standard", "iso230-3", file("marked.csv", marked)}), without);
+  EXPECT_NE(json({"standard", "iso230-3", standards_data("iso230_3.csv")}), without);
+}
+
+TEST_F(CliTest, RowsThatAFileKeepsOutAreNotCompared) {
+  std::string reference = "x_mm,y_mm,z_mm,excluded\n", table = "row_1,x_mm,y_mm,z_mm\n";
+  for (int row = 1; row <= 30; ++row) {
+    const double x = row % 5, y = row % 3, z = row % 7;
+    const bool out = row == 8;
+    reference += fmt::format("{},{},{},{}\n", x + (out ? 0.05 : 0), y, z, out ? 1 : 0);
+    table += fmt::format("{},{:.9f},{:.9f},{:.9f}\n", row, 1.00002 * x, 1.00002 * y, 1.00002 * z);
+  }
+  const auto match =
+      json({"data", "instruments", file("reference.csv", reference), file("table.csv", table)});
+  EXPECT_NEAR(match.at("scale_ppm").get<double>(), 20, 1e-3);
+  EXPECT_EQ(match.at("rows"), 29);
 }
 
 TEST_F(CliTest, AFileThatLacksWhatAStandardNeedsIsRefusedWith5) {

@@ -9,6 +9,7 @@
 #include "clients/cli/core/table.h"
 #include "clients/cli/core/text.h"
 #include "clients/cli/core/value_or_throw.h"
+#include "driftwise/v1/data_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
 #include "server/core/reasons.h"
 #include "server/core/units.h"
@@ -25,7 +26,7 @@ struct InstrumentArguments {
   std::size_t most_rows = 10;
 };
 
-// Channels by trajectory row, of one side.
+// Channels by trajectory row, of one side, without the rows that are kept out.
 struct NamedColumns {
   std::string name;
   std::vector<std::int64_t> row;
@@ -51,21 +52,31 @@ NamedColumns columns_of_file(const std::string& file, bool needs_row) {
       throw Failure{ExitCode::bad_input, "invalid_argument", reasons::kBadInteger,
                     file + ": row_1 of data row " + std::to_string(k + 1) +
                         ": expected the number of a row of the trajectory, from 1"};
+    if (data.is_excluded(k)) continue;
     out.row.push_back(static_cast<std::int64_t>(number));
   }
   for (const auto& column : data.columns) {
     if (!is_length(column.channel.unit)) continue;
     auto& values = out.mm[column.channel.symbol];
     const double factor = mm_from_nm(summary_unit(column.channel.unit).factor);
-    for (const double value : column.values) values.push_back(value * factor);
+    for (std::size_t k = 0; k < data.rows; ++k)
+      if (!data.is_excluded(k)) values.push_back(column.values[k] * factor);
   }
   return out;
+}
+
+std::vector<v1::RowRange> rows_kept_out(const Connection& connection, std::int64_t run) {
+  v1::ListExclusionsRequest request;
+  request.set_run_id(run);
+  const auto response = connection.ask(&v1::DataService::Stub::ListExclusions, request);
+  return {response.state().excluded_rows().begin(), response.state().excluded_rows().end()};
 }
 
 NamedColumns columns_of_run(const Session& session, std::int64_t run) {
   constexpr int kPage = 10'000;
   NamedColumns out{.name = "run " + std::to_string(run), .row = {}, .mm = {}};
   const auto connection = session.connect();
+  const auto kept_out = rows_kept_out(connection, run);
   for (std::int64_t after = 0;;) {
     v1::ListPointsRequest request;
     request.set_run_id(run);
@@ -75,6 +86,10 @@ NamedColumns columns_of_run(const Session& session, std::int64_t run) {
     for (const auto& point : page.points()) {
       after = point.id();
       if (point.repeated_line()) continue;
+      if (std::ranges::any_of(kept_out, [&point](const v1::RowRange& range) {
+            return point.row() >= range.first_row() && point.row() <= range.last_row();
+          }))
+        continue;
       for (const auto& value : point.values()) {
         const auto channel = parse_robot_channel(value.channel());
         if (!channel || !is_length(channel->unit)) continue;

@@ -5,6 +5,7 @@
 #include "clients/cli/commands/data/exported_csv.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
+#include "server/core/data/row_marks.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/standards/standards_json.h"
 #include "server/formats/standards/standards_page.h"
@@ -21,14 +22,18 @@ struct StandardArguments {
   bool repeatability_only = false;
 };
 
-// The run's dataset is exact to the last digit: the figures here are the daemon's.
+// The run's dataset is exact to the last digit: the figures here are the daemon's. Rows kept out
+// are no figures either, of a file as of a run.
 Dataset dataset_of(const Session& session, const StandardArguments& a) {
   if (a.file.empty() == (a.run == 0))
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   std::string("of what? found ") + (a.file.empty() ? "neither" : "both") +
                       " a file and --run; give one of them"};
-  if (!a.file.empty())
-    return value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
+  if (!a.file.empty()) {
+    auto data = value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
+    leave_excluded_out(data);
+    return data;
+  }
   return value_or_throw(formats::read_dataset_csv(exported_csv(session, {a.run}, true),
                                                   "run " + std::to_string(a.run)));
 }
