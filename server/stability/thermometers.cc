@@ -88,9 +88,11 @@ ThermometerComparison compare_thermometers(const std::vector<Thermometer>& therm
   std::vector<bool> counts(thermometers.size(), true);
   if (!drift_of(blocks.time_s, mean_of(blocks, counts))) return result;
   // One that is out moves the mean, and with it all others: the worst is taken from the mean first.
-  for (std::size_t taken = 0; 2 * taken < thermometers.size(); ++taken) {
+  // Half of them stay, and two at least: of fewer no one can say which is right.
+  for (std::size_t stay = thermometers.size();; --stay) {
     std::vector<double> sizes;
     result.offsets = offsets_from(thermometers, blocks, counts, sizes);
+    if (stay <= 2 || 2 * (stay - 1) < thermometers.size()) break;
     std::size_t worst = 0;
     double largest = 1;
     for (std::size_t k = 0; k < sizes.size(); ++k)

@@ -30,7 +30,8 @@ struct ThermometerComparison {
 };
 
 // Over the series' common time, in blocks of block_s. The mean is that of the thermometers that are
-// in: the one that is out farthest is taken from it first, up to half of them.
+// in: the one that is out farthest is taken from it first, as long as half of
+// them stay, and two at least.
 ThermometerComparison compare_thermometers(const std::vector<Thermometer>& thermometers,
                                            double block_s);
 

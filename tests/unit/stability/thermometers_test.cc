@@ -53,5 +53,33 @@ TEST(Thermometers, CountsOnlyBlocksThatAllHave) {
   EXPECT_TRUE(found.offsets.empty());
 }
 
+// Two agree, two do not: offsets and mean are those of the two that agree.
+TEST(Thermometers, CountsAllOffsetsFromTheOnesThatAgree) {
+  auto four = bath();
+  four.resize(4);
+  for (double& value : four[2].series.values) value += 0.04;  // 0.1 in all
+  for (double& value : four[3].series.values) value += 0.2;
+  const auto found = compare_thermometers(four, 60);
+  ASSERT_EQ(found.offsets.size(), 4U);
+  const double offsets_k[] = {0, 0, 0.1, 0.2};
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(found.offsets[k].offset_k, offsets_k[k], 0.001);
+    EXPECT_EQ(found.offsets[k].out, k > 1) << k;
+  }
+  EXPECT_NEAR(found.offsets[0].offset_k + found.offsets[1].offset_k, 0, 1e-9);
+}
+
+// Of two, nobody can say which is right.
+TEST(Thermometers, TakesTheMeanOfTwoThatDisagree) {
+  auto two = bath();
+  two.resize(2);
+  for (double& value : two[1].series.values) value += 0.2;
+  const auto found = compare_thermometers(two, 60);
+  ASSERT_EQ(found.offsets.size(), 2U);
+  EXPECT_NEAR(found.offsets[0].offset_k, -0.1, 0.001);
+  EXPECT_NEAR(found.offsets[1].offset_k, 0.1, 0.001);
+  EXPECT_TRUE(found.offsets[0].out && found.offsets[1].out);
+}
+
 }  // namespace
 }  // namespace driftwise::tests
