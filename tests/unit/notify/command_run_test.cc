@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <thread>
@@ -28,6 +30,16 @@ TEST(CommandRun, PassesTextThatAShellWouldObeyAsItIs) {
       run_command({"printf", "%s", "$(id) `id`; id"}, "", milliseconds(20'000), kGoOn);
   ASSERT_TRUE(said) << said.error().message;
   EXPECT_EQ(*said, "$(id) `id`; id");
+}
+
+TEST(CommandRun, InheritsNoSocketOfTheDaemon) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);  // without CLOEXEC, as Asio opens them
+  ASSERT_GE(socket, 0);
+  const auto said = run_command({"sh", "-c", "echo $(ls -l /proc/self/fd | grep -c socket)"}, "",
+                                milliseconds(20'000), kGoOn);
+  ::close(socket);
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "0");
 }
 
 TEST(CommandRun, AMegabyteOfInputAndOutputPasses) {
