@@ -20,8 +20,10 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_future.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -252,6 +254,15 @@ Result<void> check_web_page(const std::string& web_root) {
                   "with the program)");
 }
 
+// Whether the record can be opened or made at its path, as far as this user may write there.
+Result<void> check_database_folder(const std::string& database) {
+  const std::string folder = fs::absolute(database).parent_path().string();
+  if (::access(folder.c_str(), R_OK | W_OK | X_OK) == 0) return {};
+  return fail(ErrorCode::invalid_argument, reasons::kCannotOpen,
+              "[cell] database: found " + database + ", and of its folder " + folder + ": " +
+                  std::strerror(errno) + "; expected a folder that this user may write to");
+}
+
 // Of this start of the computer, by the kernel; empty where it tells none. Source: random(4).
 std::string boot_id() {
   std::string id;
@@ -277,6 +288,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
     spdlog::warn("{}", page.error().message);  // no reason not to measure
   }
   if (arguments.check) {
+    DRIFTWISE_RETURN_IF_ERROR(check_database_folder(description.database));
     DRIFTWISE_RETURN_IF_ERROR(access::Access::check(description.access));
     return Daemon{};
   }

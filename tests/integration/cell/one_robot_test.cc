@@ -79,6 +79,15 @@ TEST_F(OneRobot, IsDrivenByOneDaemonWhateverTheControllerIsCalled) {
             0);
 }
 
+TEST_F(OneRobot, IsNotCalledGoodByACheckWhereTheRecordHasNoPlace) {
+  const auto file = another_cell_file(database_name(), "no_such_folder/record.sqlite");
+  const auto checked =
+      run_process({std::string(DRIFTWISE_BIN_DIR) + "/driftwised", "--check", "--cell", file});
+  EXPECT_EQ(checked.code, 3);
+  EXPECT_THAT(checked.err, HasSubstr("other/no_such_folder: No such file or directory"));
+  EXPECT_EQ(second_daemon(file).code, 3) << "and a start is refused as well";
+}
+
 TEST_F(OneRobot, IsFreeAtOnceAfterAKill) {
   cell.start_daemon();
   cell.kill_daemon();
