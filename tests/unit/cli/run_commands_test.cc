@@ -41,6 +41,16 @@ TEST_F(RunCommandsTest, PassesOnWhatTheRunIsToBe) {
   EXPECT_EQ(asked.rules->readings_per_point, 6);
 }
 
+TEST_F(RunCommandsTest, AKeyToRemoveTakesNoOtherWordWithIt) {
+  json({"run", "start", trajectory()});
+  json({"run", "tag", "1", "tool=probe"});
+  EXPECT_EQ(json({"run", "tag", "1", "--remove", "tool", "sample=A12"})["metadata"],
+            nlohmann::json({{"sample", "A12"}}));
+  const auto refused = run({"run", "tag", "1", "--remove", "sample=A12"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("found 'sample=A12', expected a key alone"));
+}
+
 TEST_F(RunCommandsTest, ConfirmsTheForceThatARunWaitsFor) {
   json({"run", "start", trajectory()});
   EXPECT_EQ(json({"run", "confirm", "1", "--force", "2.305"})["state"], "running");

@@ -59,7 +59,12 @@ ExitCode tag_run(const Session& session, const RunArguments& a) {
   v1::TagRunRequest request;
   request.set_run_id(a.id);
   for (auto& item : metadata_from(a.tags)) *request.add_set() = std::move(item);
-  for (const auto& key : a.removed) request.add_remove(key);
+  for (const auto& key : a.removed) {
+    if (key.find('=') != std::string::npos)
+      throw Failure{ExitCode::usage, "usage", "USAGE",
+                    "--remove: found '" + key + "', expected a key alone, without a value"};
+    request.add_remove(key);
+  }
   return show_changed(session, session.connect().ask(&RunStub::TagRun, request).run());
 }
 
@@ -174,12 +179,14 @@ void add_run_commands(CLI::App& app, Session& session) {
   list.add_option("--limit", a->limit, "how many")
       ->check(number_between(1, 1000))
       ->capture_default_str();
-  list.add_option("--meta", a->meta, "only runs with this key=value; may be repeated");
+  list.add_option("--meta", a->meta, "only runs with this key=value; may be repeated")
+      ->allow_extra_args(false);
   CLI::App& tagged = add_command(run, session, "tag", "Sets and removes metadata of a run",
                                  [&session, a] { return tag_run(session, *a); });
   id(tagged);
   tagged.add_option("KEY=VALUE", a->tags, "sample=A12 tool=probe");
-  tagged.add_option("--remove", a->removed, "a key to take away; may be repeated");
+  tagged.add_option("--remove", a->removed, "a key to take away; may be repeated")
+      ->allow_extra_args(false);
   id(add_command(run, session, "show", "One run",
                  [&session, a] { return show_run(session, a->id); }));
   CLI::App& watched = add_command(run, session, "watch", "Follows a run to its end", [&session, a] {
