@@ -44,9 +44,15 @@ std::string write_to(const std::filesystem::path& file, const std::string& text)
 
 }  // namespace
 
-void write_output_file(const std::string& path, const std::string& text) {
+void write_output_file(const std::string& path, const std::string& text,
+                       const std::vector<std::string>& read) {
   namespace fs = std::filesystem;
   std::error_code ignored;
+  for (const auto& file : read)
+    if (fs::equivalent(path, file, ignored))
+      throw cannot_write(path,
+                         "it was read just now and may be the only copy of these data; give "
+                         "another name");
   if (fs::is_directory(path, ignored))
     throw cannot_write(path, "it is a folder, expected the name of a file");
   // A file renamed over a device would take its place: as root even that of /dev/null.

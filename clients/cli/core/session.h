@@ -44,6 +44,8 @@ std::string base_name(const std::string& path);
 // Writes a file in one piece (a temporary beside it, then renamed), or nothing. A link stays a
 // link, a device or pipe (/dev/stdout, /dev/null) is written to as it is. Throws Failure (bad_input
 // CANNOT_WRITE) naming it; what stood there before still does then.
-void write_output_file(const std::string& path, const std::string& text);
+// read: files that the command read, which may be the only copy of a measurement; refused.
+void write_output_file(const std::string& path, const std::string& text,
+                       const std::vector<std::string>& read = {});
 
 }  // namespace driftwise::cli

@@ -75,7 +75,7 @@ void write_corrected(Dataset data, const AngleDriftArguments& a,
   if (const auto done = correction::amend(amendment, origins, {}, data); !done)
     throw failure_of(done.error());
   data.metadata.emplace_back(kAngleCorrectionKey, formats::write_amendment_json(amendment));
-  write_output_file(a.output, formats::write_dataset_csv(data));
+  write_output_file(a.output, formats::write_dataset_csv(data), {a.file});
 }
 
 ExitCode angle_drift(const Console& console, const AngleDriftArguments& a) {

@@ -74,7 +74,7 @@ ExitCode import_to_file(const Console& console, const DataArguments& a) {
     console.out << csv << std::flush;
     return ExitCode::done;
   }
-  write_output_file(a.output, csv);
+  write_output_file(a.output, csv, {a.file, a.mapping});
   if (console.json) {
     auto json = json_from(imported.report);
     json["file"] = a.output;

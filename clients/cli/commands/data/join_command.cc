@@ -94,7 +94,7 @@ ExitCode join_files(const Session& session, const JoinArguments& a) {
       console.out << csv << std::flush;
       return ExitCode::done;
     }
-    write_output_file(a.output, csv);
+    write_output_file(a.output, csv, a.inputs);
   }
   if (console.json) {
     nlohmann::ordered_json json{{"report", std::move(report)}};

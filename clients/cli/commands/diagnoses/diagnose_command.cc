@@ -54,7 +54,8 @@ void add_separating(const Session& session, const DiagnoseArguments& a, const Da
   if (*plan) found.separating_experiment = formats::separating_text(**plan);
   if (a.separating.empty()) return;
   if (found.separating_experiment && !found.separating_experiment->trajectory_csv.empty())
-    write_output_file(a.separating, names.with_id(found.separating_experiment->trajectory_csv));
+    write_output_file(a.separating, names.with_id(found.separating_experiment->trajectory_csv),
+                      {a.file});
   else
     session.console.err << "no separating trajectory: "
                         << (found.separating_experiment ? found.separating_experiment->why
@@ -70,7 +71,8 @@ diagnosis::Diagnosis of_robot(const DiagnoseArguments& a, const Dataset& data,
   auto found = value_or_throw(diagnosis::diagnose_robot(data, mechanism, options));
   if (auto said = diagnosis::unread_pose_note(data, *mechanism); !said.empty())
     found.diagnosis.warnings.push_back(std::move(said));
-  if (!a.robot_out.empty()) write_output_file(a.robot_out, formats::write_robot_file(found.robot));
+  if (!a.robot_out.empty())
+    write_output_file(a.robot_out, formats::write_robot_file(found.robot), {a.file, a.kinematics});
   return std::move(found.diagnosis);
 }
 
@@ -115,7 +117,8 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   found = names.with_id(std::move(found));
   if (!a.report.empty()) {
     const std::string of = names.robot().empty() ? a.file : a.file + ", robot " + names.robot();
-    write_output_file(a.report, formats::diagnosis_html(found, given, {"Diagnosis of " + of, of}));
+    write_output_file(a.report, formats::diagnosis_html(found, given, {"Diagnosis of " + of, of}),
+                      {a.file});
   }
   if (session.console.json)
     session.console.print_json(formats::diagnosis_json(found));

@@ -288,8 +288,9 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
   if (fit.offers)
     offers = value_or_throw(calibration::weigh_offers(
         data, options, model, calibration::published_offers(data, options.candidates)));
-  if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model));
-  if (!fit.output.empty()) write_output_file(fit.output, exported(model, fit.format, name));
+  const std::vector<std::string> read = {name, fit.validation};
+  if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model), read);
+  if (!fit.output.empty()) write_output_file(fit.output, exported(model, fit.format, name), read);
   print_fit(console, fit, model, data, offers, std::nullopt);
   return ExitCode::done;
 }

@@ -133,7 +133,7 @@ ExitCode list_residuals(const Session& session, const ResidualsArguments& a) {
   if (a.output.empty() || a.output == "-")
     session.console.out << csv << std::flush;
   else
-    write_output_file(a.output, csv);
+    write_output_file(a.output, csv, {a.file});
   print_summary(session.console, residuals);
   return ExitCode::done;
 }

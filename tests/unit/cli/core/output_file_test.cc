@@ -40,6 +40,19 @@ TEST(OutputFile, TakesThePlaceOfAFile) {
   EXPECT_FALSE(fs::exists(path + ".part"));
 }
 
+// "data import raw.csv --mapping map.toml -o raw.csv" would leave no raw data.
+TEST(OutputFile, DoesNotTakeThePlaceOfAFileThatWasRead) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() + "/raw.csv";
+  std::ofstream(path) << "measured";
+  fs::create_symlink(path, folder.path() + "/link.csv");
+  for (const char* name : {"/raw.csv", "/link.csv"})
+    EXPECT_THROW(cli::write_output_file(folder.path() + name, "new", {path}), cli::Failure);
+  EXPECT_EQ(text_of(path), "measured");
+  cli::write_output_file(folder.path() + "/other.csv", "new", {path, ""});
+  EXPECT_EQ(text_of(folder.path() + "/other.csv"), "new");
+}
+
 // A file renamed over /dev/null would be the end of /dev/null.
 TEST(OutputFile, IsWrittenIntoAPipeOrDeviceAndDoesNotReplaceIt) {
   const TemporaryFolder folder;
