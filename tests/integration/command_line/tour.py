@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""deploy/tour.sh in two shells: the second is told about the first, and nobody's files are deleted.
+"""deploy/tour.sh in two shells: the second is told about the first, and nobody's files are deleted. And what docs/start/tour.md has a
+reader type after it to start a cell that hides something.
 
 Usage: tour.py path/to/driftwise path/to/source
 """
@@ -42,3 +43,9 @@ with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR", "/tmp")) as folder
     kept = list((root / "out").glob("tour-kept-*"))
     assert len(kept) == 1 and (kept[0] / "notes.txt").read_text() == "mine\n", kept
     assert (kept[0] / "driftwise.sqlite").exists()
+
+    page = (source / "docs/start/tour.md").read_text()
+    starts = next(block for block in page.split("```") if "--hide random" in block).split("driftwise improve")[0]
+    for _ in range(2):  # twice: what the first time left must not stop the second
+        said = shell(root, f"{tour}; {starts}\ndriftwise status; pwd; kill $daemon $sim")
+        assert "did not start" not in said and "/cell\n" in said, said
