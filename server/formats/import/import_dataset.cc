@@ -231,13 +231,14 @@ void describe(ImportReport& report, const ImportMapping& mapping, const SourceTa
 
 Result<ImportedDataset> import_dataset(std::string_view bytes, const std::string& file_name,
                                        const ImportMapping& mapping) {
+  const bool compressed = is_gzip(bytes);
   std::string inflated;
-  if (is_gzip(bytes)) {
+  if (compressed) {
     DRIFTWISE_TRY(auto text, gunzip(bytes, file_name, kMostImportBytes));
     inflated = std::move(text);
   }
   DRIFTWISE_TRY(const auto text,
-                to_utf8(inflated.empty() ? bytes : inflated, mapping.file.encoding, file_name));
+                to_utf8(compressed ? inflated : bytes, mapping.file.encoding, file_name));
 
   ForeignRows rows(text, mapping.file.layout, file_name);
   SourceTable table;

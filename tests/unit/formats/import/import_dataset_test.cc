@@ -57,6 +57,14 @@ TEST(ImportDataset, ReadsTheSameTableInEveryDress) {
     EXPECT_EQ(body(write_dataset_csv(imported(dressed, kTwoColumns).dataset)), body(expected));
 }
 
+TEST(ImportDataset, SaysThatACompressedFileWithNothingInItHasNoRows) {
+  for (const std::string& empty : {tests::gzipped(""), std::string()}) {
+    const auto error = refused(empty, kTwoColumns);
+    EXPECT_EQ(error.reason, "NO_HEADER");
+    EXPECT_THAT(error.message, HasSubstr("found no row of a table"));
+  }
+}
+
 TEST(ImportDataset, TakesColumnsByNumberWhereThereIsNoHeader) {
   const auto out = imported("7 1.5\n8 2.5\n",
                             "[file]\nseparator = \"blanks\"\nheader = false\n"
