@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/core/reasons.h"
+#include "server/formats/text/json_place.h"
 
 namespace driftwise::formats {
 namespace {
@@ -146,9 +147,10 @@ ProcedureRecord record_from(const Json& json) {
                  .degc = values_from(zero.at("temperatures_degC"))};
   for (const auto& one : json.at("indents")) r.indents.push_back(indent_from(one));
   // Of no record written before these lists were.
-  for (const auto& one : json.value("contact_list", Json::array()))
-    r.contact_list.push_back(contact_from(one));
-  for (const auto& one : json.value("rounds", Json::array())) r.rounds.push_back(round_from(one));
+  if (const auto list = json.find("contact_list"); list != json.end())
+    for (const auto& one : *list) r.contact_list.push_back(contact_from(one));
+  if (const auto list = json.find("rounds"); list != json.end())
+    for (const auto& one : *list) r.rounds.push_back(round_from(one));
   return r;
 }
 
@@ -185,16 +187,13 @@ std::string procedure_json(const ProcedureRecord& r) {
 }
 
 Result<ProcedureRecord> read_procedure_json(std::string_view text, const std::string& file_name) {
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
+  const auto json = parse_ordered_json(text);
+  if (!json)
     return fail(ErrorCode::data_loss, reasons::kJsonSyntax,
-                file_name + ": damaged at byte " + std::to_string(error.byte) +
+                file_name + ": damaged at " + json.error().message +
                     ": put it aside and begin a new indentation on a fresh surface");
-  }
   try {
-    return record_from(json);
+    return record_from(*json);
   } catch (const std::exception& error) {  // nlohmann's, with the key; ours
     return fail(ErrorCode::data_loss, reasons::kBadValue,
                 file_name + ": " + error.what() +

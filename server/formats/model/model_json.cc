@@ -440,9 +440,10 @@ std::string model_hash(const Model& model) {
 
 Result<std::string> stored_model_hash(std::string_view text, std::string_view stored) {
   // In the order in which it was written: the hash is of the text.
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded() || !json.is_object())
+  auto parsed = parse_ordered_json(text);
+  if (!parsed || !parsed->is_object())
     return fail(ErrorCode::invalid_argument, reasons::kBadModel, "its text is no JSON object");
+  Json& json = *parsed;
   if (json.contains("fit_us")) json["fit_us"] = 0.0;
   return content_hash_like(stored, json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }

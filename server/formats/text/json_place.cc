@@ -3,11 +3,59 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
+namespace {
+
+tl::unexpected<Error> bad_json(std::string_view text, std::size_t at, const std::string& sentence) {
+  const auto before = text.substr(0, at);
+  const auto line = static_cast<std::size_t>(std::ranges::count(before, '\n')) + 1;
+  const auto column =
+      at - (before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1) + 1;
+  return fail(
+      ErrorCode::invalid_argument, reasons::kJsonSyntax,
+      "line " + std::to_string(line) + ", column " + std::to_string(column) + ": " + sentence);
+}
+
+// Place of the bracket that opens one level too many.
+std::optional<std::size_t> too_deep_in_json(std::string_view text) {
+  std::size_t level = 0;
+  bool is_string = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (is_string && c == '\\') ++at;
+    if (c == '"') is_string = !is_string;
+    if (is_string) continue;
+    if ((c == '[' || c == '{') && ++level > kMostJsonLevels) return at;
+    if ((c == ']' || c == '}') && level > 0) --level;
+  }
+  return std::nullopt;
+}
+
+template <class Json>
+Result<Json> shallow_json(std::string_view text) {
+  if (const auto at = too_deep_in_json(text))
+    return bad_json(text, *at,
+                    "found more than " + std::to_string(kMostJsonLevels) +
+                        " lists and objects inside one another, expected fewer");
+  try {
+    return Json::parse(text);
+  } catch (const typename Json::parse_error& error) {
+    const std::size_t at = std::min(text.size(), error.byte > 0 ? error.byte - 1 : text.size());
+    return bad_json(text, at,
+                    "found " +
+                        (at < text.size() ? shown(text.substr(at, 16)) : "the end of the text") +
+                        ", expected JSON");
+  } catch (const typename Json::out_of_range& error) {
+    return bad_json(text, 0, std::string("found a number beyond doubles: ") + error.what());
+  }
+}
+
+}  // namespace
 
 JsonPlace JsonPlace::operator[](const char* key) const {
   if (!value_->is_object()) refuse("an object");
@@ -90,21 +138,11 @@ nlohmann::ordered_json json_number(double value) {
 }
 
 Result<nlohmann::json> parse_json(std::string_view text) {
-  try {
-    return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& error) {  // out_of_range too: a number beyond doubles
-    const auto* syntax = dynamic_cast<const nlohmann::json::parse_error*>(&error);
-    const std::size_t at =
-        std::min(text.size(), syntax && syntax->byte > 0 ? syntax->byte - 1 : text.size());
-    const auto before = text.substr(0, at);
-    const auto line = static_cast<std::size_t>(std::ranges::count(before, '\n')) + 1;
-    const auto column =
-        at - (before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1) + 1;
-    return fail(ErrorCode::invalid_argument, reasons::kJsonSyntax,
-                "line " + std::to_string(line) + ", column " + std::to_string(column) + ": found " +
-                    (at < text.size() ? shown(text.substr(at, 16)) : "the end of the text") +
-                    ", expected JSON");
-  }
+  return shallow_json<nlohmann::json>(text);
+}
+
+Result<nlohmann::ordered_json> parse_ordered_json(std::string_view text) {
+  return shallow_json<nlohmann::ordered_json>(text);
 }
 
 }  // namespace driftwise::formats

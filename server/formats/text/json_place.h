@@ -44,7 +44,15 @@ class JsonPlace {
 // Infinities and NaN as text: JSON has no such numbers.
 nlohmann::ordered_json json_number(double value);
 
-// Errors: invalid_argument, JSON_SYNTAX, naming line and column.
+// Ours have ten. nlohmann::json parses and destroys deeper texts in a loop, but copies and writes
+// them by recursion, and ordered_json copies its members while it parses: 100 kB of brackets
+// overflow the stack.
+inline constexpr std::size_t kMostJsonLevels = 100;
+
+// Errors: invalid_argument, JSON_SYNTAX, naming line and column; also for more than kMostJsonLevels
+// lists and objects inside one another, and for a number beyond doubles.
 Result<nlohmann::json> parse_json(std::string_view text);
+// The same with the keys in the order of the text.
+Result<nlohmann::ordered_json> parse_ordered_json(std::string_view text);
 
 }  // namespace driftwise::formats

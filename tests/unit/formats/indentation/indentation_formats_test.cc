@@ -124,6 +124,31 @@ TEST(ProcedureJson, KeepsEveryField) {
   EXPECT_EQ(procedure_json(*read), text);
 }
 
+TEST(ProcedureJson, IsRefusedWhenItIsDeepInsteadOfOverflowingTheStack) {
+  const std::string lists = std::string(100000, '[') + std::string(100000, ']');
+  for (const char* key : {"\"contact_list\": []", "\"rounds\": []", "\"touches\": []"}) {
+    const std::string deep = std::string(key).substr(0, std::string(key).size() - 2) + lists;
+    const auto read = read_procedure_json(replaced(procedure_json({}), key, deep), "s.json");
+    ASSERT_FALSE(read) << key;
+    EXPECT_EQ(read.error().reason, "JSON_SYNTAX");
+    EXPECT_NE(read.error().message.find("more than 100 lists"), std::string::npos)
+        << read.error().message.substr(0, 200);
+  }
+}
+
+TEST(ProcedureJson, IsRefusedWithANumberBeyondDoubles) {
+  const auto read =
+      read_procedure_json(replaced(procedure_json({}), "\"align\"", "1e999"), "s.json");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().reason, "JSON_SYNTAX");
+}
+
+TEST(ProcedureJson, OfARecordWithoutTheLaterListsIsRead) {
+  std::string text = replaced(procedure_json({}), "\"contact_list\"", "\"of_later\"");
+  text = replaced(std::move(text), "\"rounds\"", "\"of_later_too\"");
+  EXPECT_TRUE(read_procedure_json(text, "s.json"));
+}
+
 TEST(ProcedureJson, IsRefusedWhenItIsDamaged) {
   const std::string text = procedure_json({});
   EXPECT_EQ(read_procedure_json(text.substr(0, 40), "s.json").error().reason, "JSON_SYNTAX");
