@@ -22,6 +22,7 @@
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -258,7 +259,7 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
   CellDescription cell;
   cell.kinds = kinds;
   try {
-    read_file(toml::parse(text, path), cell, problem);
+    read_file(parse_toml(text, path), cell, problem);
   } catch (const toml::parse_error& error) {
     return tl::unexpected(syntax_error(error, path));
   }
@@ -281,7 +282,7 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
 
 std::string web_root_of(const CellDescription& cell, const std::string& path) {
   try {
-    return beside(toml::parse(cell.text)["web"]["root"].value_or(std::string()), path);
+    return beside(parse_toml(cell.text)["web"]["root"].value_or(std::string()), path);
   } catch (const toml::parse_error&) {  // it was not made from a cell file
     return {};
   }
@@ -307,7 +308,7 @@ Result<CellDescription> read_cell_file(const std::string& path, DeviceKinds kind
 std::string device_place(const CellDescription& cell, const std::string& path, std::size_t device,
                          std::string_view complaint) {
   try {
-    const auto root = toml::parse(cell.text);
+    const auto root = parse_toml(cell.text);
     const auto* table = root["device"][device].as_table();
     if (table == nullptr) return {};
     std::size_t line = table->source().begin.line;

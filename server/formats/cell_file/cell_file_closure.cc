@@ -5,6 +5,7 @@
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -62,7 +63,7 @@ ClosureRules read_closure(TomlReader& top, const CellDescription& cell, TomlProb
 ClosureRules closure_rules_of(const CellDescription& cell) {
   try {
     TomlProblem problem{.file_name = cell.name, .first = {}};
-    const auto root = toml::parse(cell.text);
+    const auto root = parse_toml(cell.text);
     TomlReader top(root, "", problem);
     return read_closure(top, cell, problem);
   } catch (const toml::parse_error&) {  // it was not made from a cell file

@@ -4,6 +4,7 @@
 
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -86,7 +87,7 @@ Result<CorrectionDescription> parse_correction_file(std::string_view text,
   TomlProblem problem{.file_name = file_name, .first = {}};
   CorrectionDescription out;
   try {
-    const auto root = toml::parse(text, file_name);
+    const auto root = parse_toml(text, file_name);
     TomlReader top(root, "", problem);
     const auto* table = top.table("correction");
     if (!table) {

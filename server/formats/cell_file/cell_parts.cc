@@ -10,6 +10,7 @@
 #include "server/effects/term_order.h"
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/cell_file/cell_file_closure.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -423,7 +424,7 @@ CellParts cell_parts(const CellDescription& cell, std::string_view text) {
   CellParts parts = parts_of(cell);
   try {
     CellParts further;
-    add_table(toml::parse(text), "", known_keys(), further);
+    add_table(parse_toml(text), "", known_keys(), further);
     for (auto& [place, part] : further)
       for (auto& [key, value] : part.values) parts[place].values.emplace(key, value);
     add_robots(cell, parts);

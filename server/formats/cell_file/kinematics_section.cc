@@ -4,6 +4,7 @@
 
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
+#include "server/formats/text/toml_text.h"
 #include "server/kinematics/mechanism.h"
 
 namespace driftwise::formats {
@@ -162,7 +163,7 @@ Result<KinematicsDescription> parse_robot_file(std::string_view text,
   TomlProblem problem{.file_name = file_name, .first = {}};
   KinematicsDescription description;
   try {
-    const toml::table root = toml::parse(text, file_name);
+    const toml::table root = parse_toml(text, file_name);
     TomlReader top(root, "", problem);
     const auto* section = top.table("kinematics");
     if (section != nullptr)

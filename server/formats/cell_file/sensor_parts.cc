@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 
 #include "server/core/channel.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -25,7 +26,7 @@ void add_parts_of(const toml::node& device, std::map<std::string, std::string>& 
 std::map<std::string, std::string> sensor_parts(std::string_view cell_text) {
   std::map<std::string, std::string> parts;
   try {
-    const auto root = toml::parse(cell_text);
+    const auto root = parse_toml(cell_text);
     if (const auto* devices = root.get_as<toml::array>("device"))
       for (const auto& device : *devices) add_parts_of(device, parts);
   } catch (const toml::parse_error&) {  // a description that was not made from a file

@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 
 #include "server/core/channel.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 
@@ -10,7 +11,7 @@ std::map<std::string, std::string> setup_instruments(std::string_view cell_text,
                                                      std::string_view setup) {
   std::map<std::string, std::string> devices;
   try {
-    const auto root = toml::parse(cell_text);
+    const auto root = parse_toml(cell_text);
     const auto* setups = root.get_as<toml::array>("setup");
     for (std::size_t i = 0; setups != nullptr && i < setups->size(); ++i) {
       const auto* table = setups->get_as<toml::table>(i);

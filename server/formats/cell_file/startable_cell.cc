@@ -9,6 +9,7 @@
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -223,7 +224,7 @@ class StartCheck {
 Result<void> check_startable(const CellDescription& cell, const std::string& path) {
   TomlProblem problem{.file_name = path, .first = {}};
   try {
-    const auto root = toml::parse(cell.text, path);
+    const auto root = parse_toml(cell.text, path);
     StartCheck(cell, root, problem).check();
   } catch (const toml::parse_error& error) {
     return tl::unexpected(syntax_error(error, path));

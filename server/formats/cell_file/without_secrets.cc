@@ -6,6 +6,8 @@
 #include <cctype>
 #include <sstream>
 
+#include "server/formats/text/toml_text.h"
+
 namespace driftwise::formats {
 namespace {
 
@@ -132,7 +134,7 @@ struct Walk {
 Walk walked(std::string_view text) {
   Walk walk;
   try {
-    walk.table("", toml::parse(text));
+    walk.table("", parse_toml(text));
   } catch (const toml::parse_error& error) {
     walk.out.str("");
     walk.out << "# the cell file cannot be read as TOML: " << error.description() << '\n';

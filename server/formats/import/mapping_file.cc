@@ -8,6 +8,7 @@
 #include "server/formats/import/mapping_poses.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -296,7 +297,7 @@ Result<ImportMapping> read_import_mapping(std::string_view text, const std::stri
   out.name = file_name;
   out.hash = content_hash(text);
   try {
-    read_mapping(toml::parse(text, file_name), out, problem);
+    read_mapping(parse_toml(text, file_name), out, problem);
   } catch (const toml::parse_error& error) {
     return tl::unexpected(syntax_error(error, file_name));
   }

@@ -6,6 +6,7 @@
 #include "server/core/text/shown_text.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -155,7 +156,7 @@ void read_indents(TomlReader&& reader, indentation::ProcedureRules& rules) {
 Result<IndentationFile> read_indentation_file(std::string_view text, const std::string& file_name) {
   toml::table root;
   try {
-    root = toml::parse(text, file_name);
+    root = parse_toml(text, file_name);
   } catch (const toml::parse_error& error) {
     return tl::unexpected(syntax_error(error, file_name));
   }

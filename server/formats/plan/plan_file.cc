@@ -9,6 +9,7 @@
 #include "server/digest/sha256.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -199,7 +200,7 @@ Result<ServingPlan> read_plan_file(std::string_view text, const std::string& fil
                     std::to_string(kMostPlanBytes));
   toml::table root;
   try {
-    root = toml::parse(text, file_name);
+    root = parse_toml(text, file_name);
   } catch (const toml::parse_error& error) {
     return tl::unexpected(syntax_error(error, file_name));
   }

@@ -81,4 +81,10 @@ TEST(HelperCode, CallsOfTheStoreAndOfOtherThreadsAreOneStatement) {
       testing::ElementsAre(testing::StartsWith("server/application/plumbing/async_store.h")));
 }
 
+TEST(HelperCode, TomlIsParsedWithALimitOnItsDepth) {
+  // server/formats/text/toml_text.h
+  EXPECT_THAT(matches({"server", "storage", "clients"}, "\\btoml::parse(_file)?\\("),
+              testing::Each(testing::StartsWith("server/formats/text/toml_text.")));
+}
+
 }  // namespace

@@ -1,7 +1,5 @@
 #include "clients/cli/commands/indentation/indent_checks.h"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -12,6 +10,7 @@
 #include "driftwise/v1/configuration_service.grpc.pb.h"
 #include "server/core/reasons.h"
 #include "server/core/text/shown_text.h"
+#include "server/formats/text/toml_text.h"
 
 namespace driftwise::cli {
 namespace {
@@ -57,7 +56,7 @@ std::string tool_of(const Connection& connection, const std::string& robot) {
       connection
           .ask(&v1::ConfigurationService::Stub::GetConfiguration, v1::GetConfigurationRequest{})
           .text();
-  const auto root = toml::parse(text);
+  const auto root = formats::parse_toml(text);
   if (const auto* robots = root.get_as<toml::array>("robot"))
     for (const auto& one : *robots)
       if (const auto* table = one.as_table())
