@@ -1,10 +1,13 @@
 #include "server/formats/import/mapping_file.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "server/core/data/reading.h"
 #include "server/core/reasons.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/import/mapping_poses.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
@@ -203,13 +206,19 @@ void read_sets(TomlReader&& reader, SetRule& out) {
   reader.finish();
 }
 
-// What each channel of the dataset comes from stands once.
+// What each quantity of the dataset comes from stands once, in one unit: a dataset with x_mm and
+// x_um is refused by its reader.
 void check_channels(TomlProblem& problem, const toml::table& root, const ImportMapping& mapping) {
+  std::map<std::string, std::string> by_symbol;
   std::set<std::string> taken;
   const auto take = [&](const std::string& name) {
-    if (!taken.insert(name).second)
+    taken.insert(name);
+    const auto channel = parse_robot_channel(name);
+    const auto [before, fresh] = by_symbol.emplace(channel ? channel->symbol : name, name);
+    if (!fresh)
       problem.add(ErrorCode::invalid_argument, reasons::kDuplicateChannel, root.source(),
-                  "the channel " + shown(name) + " is given twice");
+                  "the channel " + shown(name) + " is given twice" +
+                      (before->second == name ? "" : ", also as " + shown(before->second)));
   };
   using RuleTarget = ColumnRule::Target;
   for (const auto& column : mapping.columns) {
@@ -281,6 +290,11 @@ void read_mapping(const toml::table& root, ImportMapping& out, TomlProblem& prob
   if (const auto* table = reader.table("sets")) read_sets({*table, "sets", problem}, out.sets);
   std::map<std::string, std::string> metadata;
   reader.strings("metadata", metadata);
+  for (const auto key : {kDatasetVersionKey, kSetNamesKey})  // the writer's own lines
+    if (metadata.contains(std::string(key)))
+      reader.refuse("metadata", reasons::kBadRule,
+                    "found the key " + std::string(key) +
+                        ", expected keys that say nothing of the dataset's format");
   out.metadata.assign(metadata.begin(), metadata.end());
   reader.finish();
   if (out.columns.empty())
