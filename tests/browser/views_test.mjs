@@ -127,3 +127,17 @@ test('an address that is nobody’s is refused by the daemon, and within the pag
   await page.close();
   browser.assertQuiet();
 });
+
+// Last: a model serves from here on.
+test('a target that no axis reaches, and one with twenty digits, fit a phone', { timeout: 60_000 }, async () => {
+  await cell.cli('Anna', 'model', 'promote', '1', '--yes');
+  for (const width of [390, 360]) {
+    for (const x of ['9', '-1000000000']) {
+      const page = await browser.page(`/targets?x=${x}&y=0&z=0`, { width });
+      await page.getByText(/^not reachable: limits/).first().waitFor();
+      assert.ok((await overflow(page)) <= 0, `x=${x}: wider than ${width} px by ${await overflow(page)}`);
+      await page.close();
+    }
+  }
+  browser.assertQuiet();
+});

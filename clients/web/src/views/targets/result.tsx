@@ -46,10 +46,10 @@ function Coordinate({ one }: { one: MotorCoordinate }) {
     <div class="targets-coordinate">
       <dt>{splitChannel(one.channel).symbol}</dt>
       <dd>
-        <span class="result nowrap">{grouped(position(one), 8)} <span class="unit">{splitChannel(one.channel).unit}</span></span>
-        <span class="nowrap">± {uncertaintyText(one)} (<U90 />)</span>
-        {one.minMm !== undefined && <span class="nowrap">not reachable: limits {significant(one.minMm, 4)} to {significant(one.maxMm ?? NaN, 4)} mm</span>}
-        {one.correctionNm !== undefined && <span class="nowrap muted">correction {correctionText(one.correctionNm, unit.current)}</span>}
+        <span class="result">{grouped(position(one), 8)} <span class="unit">{splitChannel(one.channel).unit}</span></span>
+        <span>± {uncertaintyText(one)} (<U90 />)</span>
+        {one.minMm !== undefined && <span>not reachable: limits {significant(one.minMm, 4)} to {significant(one.maxMm ?? NaN, 4)}{'\u00a0'}mm</span>}
+        {one.correctionNm !== undefined && <span class="muted">correction {correctionText(one.correctionNm, unit.current)}</span>}
       </dd>
     </div>
   );
