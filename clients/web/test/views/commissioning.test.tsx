@@ -13,7 +13,7 @@ import { operatorName } from '@/app/session';
 import { connection } from '@/live/connection';
 import { cell, progress } from '@/live/state';
 import { runsTyped } from '@/views/lookback/compare';
-import { overlay } from '@/views/lookback/specs';
+import { overlays } from '@/views/lookback/specs';
 import Commissioning from '@/views/commissioning/view';
 import Manual from '@/views/manual/view';
 import { settledK } from '@/parts/settled';
@@ -119,7 +119,8 @@ describe('looking back', () => {
   });
   it('lays runs over each other, one colour per run', () => {
     const run = (runId: bigint) => ({ runId, zero: [{ name: 'x', unit: 'nm', hours: [0, 1], values: [0, 5] }, { name: 'y', unit: 'nm', hours: [0, 1], values: [0, 6] }] });
-    const spec = overlay('Drift of the zero', [run(3n), run(4n)] as never, (one) => one.zero, 'none');
+    const [spec, ...others] = overlays('Drift of the zero', [run(3n), run(4n)] as never, (one) => one.zero, 'none');
+    expect(others).toEqual([]);
     expect(spec.series.map((one) => one.name)).toEqual(['run 3 x', 'run 3 y', 'run 4 x', 'run 4 y']);
     expect(new Set(spec.series.map((one) => one.colour)).size).toBe(2);
     expect(spec.series[1].dash).toBeDefined();

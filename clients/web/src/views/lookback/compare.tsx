@@ -3,14 +3,16 @@ import { useState } from 'preact/hooks';
 import { query, setQuery } from '@/app/router';
 import { fixed, signed } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
+import { unitSign } from '@/format/units';
 import { Plot } from '@/plot/plot';
+import type { PlotSpec } from '@/plot/spec';
 import { Field } from '@/ui/field';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { lookBackApi } from '@/api/look_back';
-import { overlay } from './specs';
+import { overlays } from './specs';
 
 const mostRuns = 8;
 
@@ -20,6 +22,8 @@ export function runsTyped(text: string): bigint[] | undefined {
   if (words.length > mostRuns || !words.every((word) => /^[1-9]\d{0,15}$/.test(word))) return undefined;
   return [...new Set(words)].map(BigInt);
 }
+
+const Plots = ({ specs }: { specs: readonly PlotSpec[] }) => <>{specs.map((spec) => <Plot key={spec.y.unit} spec={spec} />)}</>;
 
 export function Compare() {
   const text = query('runs') ?? '';
@@ -49,13 +53,13 @@ export function Compare() {
               { title: 'run', of: ({ run }) => <a href={`/runs/${run.runId}`}>{String(run.runId)} {run.name}</a> },
               { title: 'began', of: ({ run }) => dateClock(ms(run.startTime)) },
               { title: 'zero of', of: ({ one }) => one.name },
-              { title: 'range', number: true, of: ({ one }) => `${fixed(one.range, 1)} ${one.unit}` },
-              { title: 'per hour', number: true, of: ({ one }) => `${signed(one.ratePerH, 1)} ${one.unit}` },
+              { title: 'range', number: true, of: ({ one }) => `${fixed(one.range, 1)} ${unitSign(one.unit)}` },
+              { title: 'per hour', number: true, of: ({ one }) => `${signed(one.ratePerH, 1)} ${unitSign(one.unit)}` },
             ]}
           />
-          <Plot spec={overlay('Drift of the zero', runs, (run) => run.zero, 'No returns to zero.')} />
-          <Plot spec={overlay('Temperatures', runs, (run) => run.temperatures, 'No temperatures.')} />
-          {modelId !== undefined && <Plot spec={overlay('Residuals', runs, (run) => run.residuals, runs.map((run) => run.residualTrouble).find(Boolean) ?? 'No residuals.')} />}
+          <Plots specs={overlays('Drift of the zero', runs, (run) => run.zero, 'No returns to zero.')} />
+          <Plots specs={overlays('Temperatures', runs, (run) => run.temperatures, 'No temperatures.')} />
+          {modelId !== undefined && <Plots specs={overlays('Residuals', runs, (run) => run.residuals, runs.map((run) => run.residualTrouble).find(Boolean) ?? 'No residuals.')} />}
         </>
       )}
     </Panel>

@@ -1,6 +1,7 @@
 // Comparisons and stability as plots.
 import type { AnalyseStabilityResponse, ComparedRun, ComparedSeries } from '@/api/gen/driftwise/v1/look_back_service_pb';
 import type { Series } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { unitSign } from '@/format/units';
 import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
 
 const colours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's6', 's5', 'good', 'idle'];
@@ -9,16 +10,25 @@ const dashes: readonly (readonly number[] | undefined)[] = [undefined, [6, 4], [
 // A plot with a reason why it is empty is not drawn.
 const unless = (hasValues: boolean, why: string): { why?: string } => (hasValues ? {} : { why });
 
-// One colour per run, one dash per quantity.
-export function overlay(title: string, runs: readonly ComparedRun[], of: (run: ComparedRun) => readonly ComparedSeries[], why: string): PlotSpec {
-  const names = [...new Set(runs.flatMap((run) => of(run).map((one) => one.name)))];
-  const unit = runs.flatMap((run) => of(run)).at(0)?.unit ?? '';
-  const series: PlotSeries[] = runs.flatMap((run, r) =>
-    of(run).map((one): PlotSeries => {
+// One colour per run, one dash per quantity. One plot per unit, which is that of all its series. A note names the runs that have one
+// of its quantities in another unit.
+export function overlays(title: string, runs: readonly ComparedRun[], of: (run: ComparedRun) => readonly ComparedSeries[], why: string): PlotSpec[] {
+  const all = runs.flatMap((run, place) => of(run).map((one) => ({ run, place, one })));
+  const names = [...new Set(all.map(({ one }) => one.name))];
+  const units = [...new Set(all.map(({ one }) => one.unit))];
+  return (units.length > 0 ? units : ['']).map((unit) => {
+    const series = all.filter(({ one }) => one.unit === unit).map(({ run, place, one }): PlotSeries => {
       const dash = dashes[names.indexOf(one.name) % dashes.length];
-      return { name: `run ${run.runId} ${one.name}`, unit: one.unit, colour: colours[r % colours.length], x: one.hours, y: one.values, ...(dash && { dash }) };
-    }));
-  return { title, what: `${unit} against hours since each run's start`, x: { label: 'time_h', unit: 'h' }, y: { unit }, series, marks: [], ...unless(series.some((one) => one.x.length > 0), why) };
+      return { name: `run ${run.runId} ${one.name}`, unit, colour: colours[place % colours.length], x: one.hours, y: one.values, ...(dash && { dash }) };
+    });
+    const here = new Set(all.filter(({ one }) => one.unit === unit).map(({ one }) => one.name));
+    const apart = all.filter(({ one }) => one.unit !== unit && here.has(one.name)).map(({ run, one }) => `${one.name} of run ${run.runId} is in ${unitSign(one.unit)}`);
+    return {
+      title, what: `${unitSign(unit)} against hours since each run's start`, x: { label: 'time_h', unit: 'h' }, y: { unit }, series, marks: [],
+      ...(apart.length > 0 && { note: `not on this axis: ${apart.join(', ')}` }),
+      ...unless(series.some((one) => one.x.length > 0), why),
+    };
+  });
 }
 
 const log10 = (values: readonly number[]) => values.map((value) => (value > 0 ? Math.log10(value) : NaN));
