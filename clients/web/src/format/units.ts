@@ -1,5 +1,5 @@
 // Channels end in their unit ("q1_mm", "t07_degC"). What stands on the page: the unit's sign, the symbol, and lengths in
-// nm where nm is meant. No prefix is made up: only mm <-> nm and degC <-> mK, by these functions.
+// nm where nm is meant. No prefix is made up: only a length's unit to nm or mm and degC <-> mK, by these functions.
 const signs: Record<string, string> = { degC: '°C', pct: '%', deg: '°', um: 'µm', '1': '' };
 
 export const unitSign = (unit: string): string => signs[unit] ?? unit;
@@ -9,17 +9,29 @@ export function splitChannel(channel: string): { symbol: string; unit: string } 
   return at < 0 ? { symbol: channel, unit: '' } : { symbol: channel.slice(0, at), unit: channel.slice(at + 1) };
 }
 
+const nmPerUnit = new Map([['m', 1e9], ['mm', 1e6], ['um', 1e3], ['nm', 1]]); // as is_length of the daemon
+
+export const isLength = (unit: string): boolean => nmPerUnit.has(unit);
+export const isAngle = (unit: string): boolean => unit === 'rad' || unit === 'deg' || unit === 'arcsec';
+
 export const nmFromMm = (mm: number): number => mm * 1e6;
+// A length in its channel's unit; NaN: no length. From mm to mm nothing is rounded.
+export const nmFrom = (value: number, unit: string): number => value * (nmPerUnit.get(unit) ?? NaN);
+export const mmFrom = (value: number, unit: string): number => (unit === 'mm' ? value : nmFrom(value, unit) / 1e6);
 export const mkFromKelvin = (kelvin: number): number => kelvin * 1e3;
 
 // Digits after the point that a live value of this unit is worth; lengths to the nanometre.
 export function liveDigits(unit: string): number {
   switch (unit) {
+    case 'm': return 9;
     case 'mm': return 6;
     case 'um': return 3;
     case 'nm': return 1;
     case 'degC': return 3;
+    case 'K': return 3;
     case 'arcsec': return 2;
+    case 'deg': return 6;
+    case 'rad': return 8;
     case 'N': return 3;
     case 'hPa': return 2;
     case 'pct': return 1;

@@ -1,14 +1,14 @@
 // Drift of the zero: what the instruments read at each return to zero, minus the first of the same datum.
 import type { Point } from '@/api/gen/driftwise/v1/run_pb';
 import { ms } from '@/format/time';
-import { nmFromMm, splitChannel } from '@/format/units';
+import { isLength, nmFrom, splitChannel } from '@/format/units';
 import { valueOf } from '@/live/points';
 import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
 
 export const axisColours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's6', 's5'];
 
 export interface ZeroDrift {
-  lengths: string[]; // "x_mm"
+  lengths: string[]; // "x_mm", "x_um" of an imported file
   hours: number[];
   nm: number[][]; // per length
   rows: number[];
@@ -21,15 +21,17 @@ export function zeroDrift(points: readonly Point[], startMs: number, lengths: re
   return {
     lengths: [...lengths],
     hours: zeros.map((point) => ((ms(point.measureTime) ?? NaN) - startMs) / 3600e3),
-    nm: lengths.map((channel) => zeros.map((point) => nmFromMm(valueOf(point, channel) - valueOf(first.get(point.datumId)!, channel)))),
+    nm: lengths.map((channel) => zeros.map((point) => nmFrom(valueOf(point, channel) - valueOf(first.get(point.datumId)!, channel), splitChannel(channel).unit))),
     rows: zeros.map((point) => Number(point.row)),
   };
 }
 
-// Lengths that the points hold: x, y, z of the instruments, or whatever ends in mm and is no motor coordinate.
+// Lengths that the points hold, in whatever unit of length: x, y, z of the instruments, or all that are neither a motor coordinate nor
+// the spread of another channel.
 export function lengthsOf(channels: readonly string[]): string[] {
-  const lengths = channels.filter((name) => /^[xyz]_mm$/.test(name));
-  return lengths.length > 0 ? lengths : channels.filter((name) => name.endsWith('_mm') && !/^(q\d|goal_|x_target)/.test(name) && !name.includes('_cmd_'));
+  const all = channels.filter((name) => isLength(splitChannel(name).unit));
+  const lengths = all.filter((name) => /^[xyz]$/.test(splitChannel(name).symbol));
+  return lengths.length > 0 ? lengths : all.filter((name) => !/^(q\d|goal_|x_target)/.test(name) && !/_(cmd|std)_/.test(name));
 }
 
 export const airOf = (channels: readonly string[]): string | undefined =>
@@ -53,6 +55,7 @@ export function zeroPlot(drift: ZeroDrift, startMs: number, air?: { name: string
     y: { unit: 'nm' },
     ...(air && { right: { unit: 'degC' } }),
     series,
+    ...(drift.lengths.length === 0 && drift.hours.length > 0 && { why: 'No length is among the channels of its points.' }),
     ...(drift.hours.length < 2 && { why: drift.hours.length === 0 ? 'No return to zero yet.' : 'One return to zero so far: drift shows from the second on.' }),
   };
 }

@@ -6,6 +6,7 @@ import { Attempt_Verdict, PointSet, type Attempt, type Point, type Run } from '@
 import { query, setQuery } from '@/app/router';
 import { fixed, significant } from '@/format/numbers';
 import { ms, secondsOf } from '@/format/time';
+import { isAngle, liveDigits, splitChannel, unitSign } from '@/format/units';
 import { usePointColumns, valueOf, type RunPoints } from '@/live/points';
 import { isOver, ruleOf } from '@/parts/run_words';
 import { spreadPlot } from '@/parts/spread_plot';
@@ -74,7 +75,7 @@ export function PointsTab({ run, rulesJson, points, chosen, onPick }: {
   const shown = useMemo(() => rows.filter(show[2]), [rows, show]);
   const scene = useMemo(() => sceneOfPoints(points), [points]);
   const channels = points.points[0]?.values.map((one) => one.channel) ?? [];
-  const pose = [...lengthsOf(channels), ...channels.filter((name) => /^r[xyz]_arcsec$/.test(name)).sort()];
+  const pose = [...lengthsOf(channels), ...channels.filter((name) => /^r[xyz]_/.test(name) && isAngle(splitChannel(name).unit)).sort()];
   const timed = usePointColumns(points.points, ms(run.startTime));
   const limitNm = ruleOf(rulesJson, 'max_spread_nm');
   const spread = useMemo(() => ({ ...spreadPlot(points.attempts, timed.startMs, limitNm), file: `run-${run.id}-spread` }), [points.attempts, timed.startMs, limitNm]);
@@ -85,8 +86,8 @@ export function PointsTab({ run, rulesJson, points, chosen, onPick }: {
     { title: 'line', number: true, of: ({ point }) => (point ? String(point.line) : ''), sort: ({ point }) => Number(point?.line ?? -1) },
     { title: 'set', of: ({ point }) => (point ? setOf(point) : ''), sort: ({ point }) => (point ? setOf(point) : '') },
     ...pose.map((channel): Column<RunRow> => ({
-      title: channel.replace('_', ', '), number: true,
-      of: ({ point }) => fixed(point && valueOf(point, channel), channel.endsWith('_mm') ? 6 : 2),
+      title: `${splitChannel(channel).symbol}, ${unitSign(splitChannel(channel).unit)}`, number: true,
+      of: ({ point }) => fixed(point && valueOf(point, channel), liveDigits(splitChannel(channel).unit)),
       sort: ({ point }) => (point ? valueOf(point, channel) : 0),
     })),
     { title: 'spread, nm', number: true, of: (row) => significant(spreadOf(row)), sort: (row) => spreadOf(row) || 0 },

@@ -1,0 +1,25 @@
+// Lengths of a run's points: a file may have them in any unit of length.
+import { create } from '@bufbuild/protobuf';
+import { expect, test } from 'vitest';
+import { PointSchema } from '@/api/gen/driftwise/v1/run_pb';
+import { lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
+import { sceneOfPoints } from '@/views/runs/scene';
+import { at } from '../fake/cell';
+
+test('lengths in any unit are compared in nm and drawn in mm', () => {
+  const of = (unit: string, value: number) => [0, value].map((x, row) => create(PointSchema, { row: BigInt(row), zero: true, measureTime: at(row), values: ['x', 'y'].map((name) => ({ channel: `${name}_${unit}`, value: x })) }));
+  for (const [unit, value] of [['m', 9e-7], ['mm', 9e-4], ['um', 0.9], ['nm', 900]] as const) {
+    expect(zeroDrift(of(unit, value), 0, [`x_${unit}`]).nm[0][1]).toBeCloseTo(900, 6);
+    expect(sceneOfPoints({ points: of(unit, value), attempts: [] })!.axes[0].high).toBeCloseTo(9e-4, 12);
+  }
+});
+
+test('motor coordinates, commands and spreads are no lengths of the pose', () => {
+  expect(lengthsOf(['q1_um', 'x_um', 'x_std_nm', 't07_K'])).toEqual(['x_um']);
+  expect(lengthsOf(['q1_nm', 'q1_cmd_mm', 'height_nm', 'height_std_nm'])).toEqual(['height_nm']);
+});
+
+test('points without a length say so in place of an empty drift', () => {
+  const returns = [0, 1].map((row) => create(PointSchema, { row: BigInt(row), zero: true, measureTime: at(row), values: [{ channel: 'rx_arcsec', value: row }] }));
+  expect(zeroPlot(zeroDrift(returns, 0, lengthsOf(['rx_arcsec'])), 0).why).toBe('No length is among the channels of its points.');
+});
