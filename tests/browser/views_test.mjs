@@ -1,6 +1,8 @@
 // Every view of a cell with a run behind it and one under way: nothing on the console, nothing asked elsewhere, no finding of
 // axe, nothing wider than the window; light and dark, at a desk and on a phone.
 import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { axe, Browser, live, overflow } from './lib/browser.mjs';
 import { Cell, diagonal } from './lib/cell.mjs';
@@ -15,6 +17,9 @@ before(async () => {
   await cell.cli('Anna', 'run', 'start', cell.trajectory('short.csv', diagonal(10)), '--name', 'first', '--watch');
   await cell.cli('Anna', 'fit', '--run', '1', '--model', 'q ~ x + y + z', '--name', 'plane');
   await cell.cli('Anna', 'run', 'start', cell.trajectory('long.csv', diagonal(400)), '--name', 'under way');
+  const rows = join(cell.folder, 'rows.csv');
+  writeFileSync(rows, 'time_s,zero,q1_um,x_um,t01_K\n0,1,0,0,293.1\n60,0,1000,1000.2,293.2\n120,1,0,0.9,293.3\n');
+  await cell.cli('Anna', 'data', 'import', rows, '--name', 'of a file');
   browser = await Browser.open(cell.url);
 }, { timeout: 180_000 });
 after(async () => {
@@ -41,6 +46,7 @@ const views = [
   ['/runs/1?tab=plots', 'Run 1 · first'],
   ['/runs/1?tab=dataset', 'Run 1 · first'],
   ['/runs/1?tab=log', 'Run 1 · first'],
+  ['/runs/3?tab=plots', 'Run 3 · of a file'],
   ['/queue', 'Queue'],
   ['/plans', 'Plans'],
   ['/indentation', 'Indentation'],
@@ -83,6 +89,14 @@ for (const [path, last] of [['/runs/1?tab=plots', 'Deviation from the start'], [
     await page.close();
   });
 }
+
+test('an imported run shows what its file has, and asks for no readings', { timeout: 60_000 }, async () => {
+  const page = await browser.page('/runs/3?tab=plots');
+  await page.getByText('K against hours since start · imported: values of its points, no readings on record').waitFor();
+  await page.getByText('Channels shown: 1 of 3').waitFor();
+  assert.equal(await page.getByRole('alert').count(), 0);
+  await page.close();
+});
 
 // An axis that grows with t01; t02 and t03 wander by themselves.
 function warmAxis(rows = 120) {

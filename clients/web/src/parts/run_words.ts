@@ -17,6 +17,9 @@ export const stateWords: Record<Run_State, readonly [VerdictKind, string]> = {
 export const isOver = (run: Run): boolean =>
   run.state === Run_State.DONE || run.state === Run_State.ABORTED || run.state === Run_State.FAILED;
 
+// Its points are rows of a file or of joined runs: nothing was measured between its start and its end, which are one instant.
+export const isImported = (run: Run): boolean => run.reason === 'imported';
+
 // "uncompensated", "compensated with model 3": as the command line says it.
 export const compensationText = (run: Run): string =>
   !run.compensated ? 'uncompensated' : run.compensatePlanId !== undefined ? `compensated by plan ${run.compensatePlanId}` : run.compensateModelId !== undefined ? `compensated with model ${run.compensateModelId}` : 'compensated with the model that served';

@@ -4,7 +4,7 @@ import { fixed } from '@/format/numbers';
 import { ms } from '@/format/time';
 import type { PlotSeries, PlotSpec } from '@/plot/spec';
 
-export function spreadPlot(attempts: readonly Attempt[], startMs: number, limitNm: number | undefined): PlotSpec {
+export function spreadPlot(attempts: readonly Attempt[], startMs: number, limitNm: number | undefined, none = 'No point has been measured yet.'): PlotSpec {
   const measured = attempts.filter((one) => one.spreadNm !== undefined);
   const of = (taken: boolean, more: Partial<PlotSeries>): PlotSeries => {
     const mine = measured.filter((one) => (one.verdict === Attempt_Verdict.ACCEPTED) === taken);
@@ -24,6 +24,6 @@ export function spreadPlot(attempts: readonly Attempt[], startMs: number, limitN
     y: { unit: 'nm' },
     series: [of(true, { name: 'accepted', marker: 'calibration' }), of(false, { name: `measured again${limit}`, marker: 'rejected', colour: 'bad' })],
     ...(limitNm !== undefined && { limits: [{ at: limitNm, label: `limit ${fixed(limitNm)} nm` }] }),
-    ...(measured.length === 0 && { why: 'No point has been measured yet.' }),
+    ...(measured.length === 0 && { why: none }),
   };
 }

@@ -3,7 +3,7 @@ import { query, setQuery } from '@/app/router';
 import { splitChannel, unitSign } from '@/format/units';
 import { Panel } from '@/ui/panel';
 
-const byDefault = (name: string) => /^(t\d+|air.*)_degC$/.test(name) || name === 'force_N';
+const byDefault = (name: string) => /^(t\d+|air.*)_(degC|K)$/.test(name) || name === 'force_N';
 
 export function chosenChannels(all: readonly string[]): string[] {
   const asked = query('ch')?.split(',').filter(Boolean);

@@ -6,7 +6,7 @@ import { go, query, setQuery } from '@/app/router';
 import { count, fixed } from '@/format/numbers';
 import { dateClock, duration, ms, secondsOf } from '@/format/time';
 import { useEvents } from '@/live/events';
-import { doneShare, isOver, stateWords } from '@/parts/run_words';
+import { doneShare, isImported, isOver, stateWords } from '@/parts/run_words';
 import { Button } from '@/ui/button';
 import { Field } from '@/ui/field';
 import { Panel } from '@/ui/panel';
@@ -31,7 +31,7 @@ export function matches(run: Run, text: string, state: string): boolean {
   return text.toLowerCase().split(/\s+/).every((word) => words.includes(word));
 }
 
-const took = (run: Run): string => (!run.startTime ? '–' : !run.endTime ? 'under way' : duration(secondsOf(run.elapsedDuration)));
+const took = (run: Run): string => (!run.startTime || isImported(run) ? '–' : !run.endTime ? 'under way' : duration(secondsOf(run.elapsedDuration)));
 
 interface Chosen {
   ids: readonly bigint[];

@@ -13,7 +13,7 @@ import { useRunPoints } from '@/live/points';
 import { Rests } from '@/parts/rests';
 import { RunMarks } from '@/parts/run_marks';
 import { RunButtons } from '@/parts/run_buttons';
-import { compensationText, doneShare, isOver, stateWords, troubles } from '@/parts/run_words';
+import { compensationText, doneShare, isImported, isOver, stateWords, troubles } from '@/parts/run_words';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Failed } from '@/ui/states';
 import { Tabs, tabOf } from '@/ui/tabs';
@@ -38,6 +38,7 @@ function Head({ run }: { run: Run }) {
   const [kind, word] = stateWords[run.state];
   const from = ms(run.startTime);
   const to = ms(run.endTime);
+  const imported = isImported(run);
   return (
     <Panel class="run-head">
       <div>
@@ -45,12 +46,12 @@ function Head({ run }: { run: Run }) {
         {run.reason && <p>{run.reason}</p>}
       </div>
       <dl class="facts note">
-        <dt>points</dt><dd>{String(run.acceptedCount)} of {String(run.rowCount)} ({fixed(doneShare(run) * 100)} %), {troubles(run)}</dd>
-        <dt>{to === undefined ? 'started' : 'measured'}</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration(secondsOf(run.elapsedDuration))}`}</dd>
+        <dt>points</dt><dd>{String(run.acceptedCount)} of {String(run.rowCount)} ({fixed(doneShare(run) * 100)} %){!imported && `, ${troubles(run)}`}</dd>
+        <dt>{imported ? 'imported' : to === undefined ? 'started' : 'measured'}</dt><dd>{dateClock(from)}{!imported && to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration(secondsOf(run.elapsedDuration))}`}</dd>
         <dt>trajectory</dt><dd>{run.trajectoryName || '–'}</dd>
         {run.setup && <><dt>set-up</dt><dd>{run.setup}</dd></>}
         <dt>compensation</dt><dd>{compensationText(run)}</dd>
-        <dt>started by</dt><dd>{run.operatorName || 'unknown'}</dd>
+        <dt>{imported ? 'imported by' : 'started by'}</dt><dd>{run.operatorName || 'unknown'}</dd>
         {run.metadata.length > 0 && <><dt>metadata</dt><dd>{run.metadata.map((item) => `${item.key}=${item.value}`).join(', ')}</dd></>}
         {run.queueEntryId !== undefined && <><dt>queue</dt><dd><a href="/queue">entry {String(run.queueEntryId)}</a></dd></>}
         <dt>cell file</dt><dd>{run.configHash ? <code>{run.configHash}</code> : 'none: its rows are a file\'s, imported'}{run.configurations.slice(1).map((one) => <>, from {dateClock(ms(one.fromTime))} on <code>{one.hash}</code></>)}</dd>

@@ -5,12 +5,12 @@ import { useEffect, useMemo, useRef } from 'preact/hooks';
 import type { Run } from '@/api/gen/driftwise/v1/run_pb';
 import { query, setQuery } from '@/app/router';
 import { fromUtc, ms, utc } from '@/format/time';
-import { splitChannel, unitSign } from '@/format/units';
+import { isAngle, isLength, splitChannel, unitSign } from '@/format/units';
 import { layout } from '@/live/channels';
 import { usePointColumns, type RunPoints } from '@/live/points';
 import { cellTimeMs } from '@/live/state';
 import { seriesOfTrack } from '@/parts/history_plot';
-import { isOver, ruleOf } from '@/parts/run_words';
+import { isImported, isOver, ruleOf } from '@/parts/run_words';
 import { spreadPlot } from '@/parts/spread_plot';
 import { airOf, lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
 import { lookOf } from '@/plot/many';
@@ -20,7 +20,8 @@ import { Panel } from '@/ui/panel';
 import { Failed } from '@/ui/states';
 import { ChannelChoice, chosenChannels } from './channel_choice';
 import { Closures } from './closures';
-import { useTracks, type ZoomedTracks } from './use_tracks';
+import { noReadings, tracksOfPoints, withoutClock } from './imported';
+import { spanOf, useTracks, type ZoomedTracks } from './use_tracks';
 
 // The zoom lives in the address: from and to in UTC.
 function useZoom(startMs: number): Signal<Range | undefined> {
@@ -53,9 +54,15 @@ function useZoom(startMs: number): Signal<Range | undefined> {
   return range;
 }
 
+function titleOf(unit: string): string {
+  if (unit === 'degC' || unit === 'K') return 'Temperatures';
+  if (unit === 'N') return 'Force';
+  return isLength(unit) ? 'Lengths' : isAngle(unit) ? 'Tilts' : 'Record';
+}
+
 function recordPlot(unit: string, names: readonly string[], tracks: ZoomedTracks, startMs: number, runId: bigint): PlotSpec {
   const many = names.length > 6;
-  const what = unit === 'degC' ? 'Temperatures' : unit === 'N' ? 'Force' : unit === 'mm' ? 'Lengths' : unit === 'arcsec' ? 'Tilts' : 'Record';
+  const what = titleOf(unit);
   return {
     title: what,
     what: `${unitSign(unit)} against hours since start`,
@@ -74,24 +81,32 @@ export function PlotsTab({ run, rulesJson, points, chosen, onPick }: {
 }) {
   const columns = usePointColumns(points.points, ms(run.startTime));
   const { startMs } = columns;
+  const imported = isImported(run);
   const limitNm = ruleOf(rulesJson, 'max_spread_nm');
   const live = !isOver(run);
   const range = useZoom(startMs);
-  const spread = useMemo(() => ({ ...spreadPlot(points.attempts, startMs, limitNm), file: `run-${run.id}-spread` }), [points.attempts, startMs, limitNm]);
+  const spread = useMemo(() => ({ ...spreadPlot(points.attempts, startMs, limitNm, imported ? noReadings : undefined), file: `run-${run.id}-spread` }), [points.attempts, startMs, limitNm, imported]);
   const zero = useMemo(() => {
     const air = airOf(columns.channels);
     const drift = zeroDrift(points.points, startMs, lengthsOf(columns.channels));
-    return { ...zeroPlot(drift, startMs, air ? { name: air, x: columns.hours, y: columns.of(air) } : undefined), file: `run-${run.id}-zero` };
-  }, [columns]);
+    const spec = { ...zeroPlot(drift, startMs, air ? { name: air, x: columns.hours, y: columns.of(air) } : undefined), file: `run-${run.id}-zero` };
+    return imported ? withoutClock(spec, columns) : spec;
+  }, [columns, imported]);
 
-  const all = [...new Set([...layout.value.map((one) => one.name), ...columns.channels])];
+  // The cell's channels are no channels of a file, even under the same name.
+  const all = imported ? columns.channels : [...new Set([...layout.value.map((one) => one.name), ...columns.channels])];
   const names = chosenChannels(all);
-  const endMs = ms(run.endTime) ?? cellTimeMs.peek() ?? startMs + 1000;
-  const tracks = useTracks(names, startMs, endMs, range, live);
+  const span = imported ? undefined : spanOf(run, points.points, cellTimeMs.peek());
+  const recorded = useTracks(names, startMs, span, range, live);
+  const ofPoints = useMemo(() => tracksOfPoints(columns), [columns]);
+  const tracks = imported ? ofPoints : recorded;
   const units = [...new Set(names.map((name) => splitChannel(name).unit))];
   const specs = useMemo(
-    () => units.map((unit) => recordPlot(unit, names.filter((name) => splitChannel(name).unit === unit), tracks, startMs, run.id)),
-    [tracks, names.join()],
+    () => units.map((unit) => {
+      const spec = recordPlot(unit, names.filter((name) => splitChannel(name).unit === unit), tracks, startMs, run.id);
+      return imported ? { ...withoutClock(spec, columns), note: 'imported: values of its points, no readings on record' } : spec;
+    }),
+    [tracks, names.join(), imported],
   );
   const shared = { range, live, chosen, onPick, group: `run-${run.id}`, height: 220 };
   return (
@@ -99,7 +114,7 @@ export function PlotsTab({ run, rulesJson, points, chosen, onPick }: {
       <div class="columns">
         <Panel><Plot spec={spread} {...shared} /></Panel>
         <Panel><Plot spec={zero} {...shared} /></Panel>
-        {specs.map((spec) => <Panel key={spec.title}><Plot spec={spec} {...shared} /></Panel>)}
+        {specs.map((spec) => <Panel key={spec.y.unit}><Plot spec={spec} {...shared} /></Panel>)}
       </div>
       {tracks.failure && <Failed asked="Read the record" failure={tracks.failure} again={tracks.again} />}
       <ChannelChoice all={all} chosen={names} />

@@ -8,7 +8,7 @@ import { fixed, significant } from '@/format/numbers';
 import { ms, secondsOf } from '@/format/time';
 import { isAngle, liveDigits, splitChannel, unitSign } from '@/format/units';
 import { usePointColumns, valueOf, type RunPoints } from '@/live/points';
-import { isOver, ruleOf } from '@/parts/run_words';
+import { isImported, isOver, ruleOf } from '@/parts/run_words';
 import { spreadPlot } from '@/parts/spread_plot';
 import { lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
 import { Plot } from '@/plot/plot';
@@ -17,6 +17,7 @@ import { Panel } from '@/ui/panel';
 import { Empty } from '@/ui/states';
 import { Table, type Column } from '@/ui/table';
 import { Verdict } from '@/ui/verdict';
+import { noReadings, withoutClock } from './imported';
 import { sceneOfPoints } from './scene';
 
 export interface RunRow {
@@ -78,8 +79,12 @@ export function PointsTab({ run, rulesJson, points, chosen, onPick }: {
   const pose = [...lengthsOf(channels), ...channels.filter((name) => /^r[xyz]_/.test(name) && isAngle(splitChannel(name).unit)).sort()];
   const timed = usePointColumns(points.points, ms(run.startTime));
   const limitNm = ruleOf(rulesJson, 'max_spread_nm');
-  const spread = useMemo(() => ({ ...spreadPlot(points.attempts, timed.startMs, limitNm), file: `run-${run.id}-spread` }), [points.attempts, timed.startMs, limitNm]);
-  const zero = useMemo(() => ({ ...zeroPlot(zeroDrift(points.points, timed.startMs, lengthsOf(timed.channels)), timed.startMs), file: `run-${run.id}-zero` }), [timed]);
+  const imported = isImported(run);
+  const spread = useMemo(() => ({ ...spreadPlot(points.attempts, timed.startMs, limitNm, imported ? noReadings : undefined), file: `run-${run.id}-spread` }), [points.attempts, timed.startMs, limitNm, imported]);
+  const zero = useMemo(() => {
+    const spec = { ...zeroPlot(zeroDrift(points.points, timed.startMs, lengthsOf(timed.channels)), timed.startMs), file: `run-${run.id}-zero` };
+    return imported ? withoutClock(spec, timed) : spec;
+  }, [timed, imported]);
   const shared = { live: !isOver(run), chosen, onPick, group: `points-${run.id}`, height: 172 };
   const columns: Column<RunRow>[] = [
     { title: 'row', number: true, of: ({ row }) => <button type="button" class="link" onClick={(event) => { event.stopPropagation(); onPick(row); }}>{row}</button>, sort: ({ row }) => row },
