@@ -1,8 +1,7 @@
 #include "storage/upkeep_store.h"
 
-#include <filesystem>
-
 #include "server/core/reasons.h"
+#include "storage/sqlite/present_file.h"
 
 namespace driftwise::storage {
 namespace {
@@ -91,7 +90,7 @@ Result<void> SqliteUpkeepStore::reopen() {
 
 Result<void> SqliteUpkeepStore::copy_to(const std::string& path) {
   return answered([&] {
-    if (std::filesystem::exists(path))
+    if (is_present(path))
       throw_failure(ErrorCode::already_exists, reasons::kFileExists,
                     "the record is not copied: there is a file " + path + " already");
     Database copy(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");

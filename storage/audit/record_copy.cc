@@ -14,6 +14,7 @@
 #include "storage/sqlite/database_lock.h"
 #include "storage/sqlite/failure.h"
 #include "storage/sqlite/file_owner.h"
+#include "storage/sqlite/present_file.h"
 
 namespace driftwise::storage {
 namespace {
@@ -24,7 +25,7 @@ constexpr int kPauseMs = 20;  // while another connection writes the copied page
 
 void refuse_present(const std::string& path) {
   for (const char* part : {"", "-wal"})
-    if (fs::exists(path + part))
+    if (is_present(path + part))
       throw_failure(ErrorCode::already_exists, reasons::kFileExists,
                     "there is a file " + path + part + " already: nothing was overwritten");
 }
@@ -108,6 +109,15 @@ class Part {
   std::string path_, part_;
 };
 
+std::int64_t bytes_of(const std::string& path) {
+  std::error_code failed;
+  const auto bytes = fs::file_size(path, failed);
+  if (failed)
+    throw_failure(ErrorCode::not_found, reasons::kCannotOpen,
+                  "the copy " + path + " cannot be measured: " + failed.message());
+  return static_cast<std::int64_t>(bytes);
+}
+
 // make_room: right before the copy takes its name.
 RecordCopy copy_verified(Database& record, const std::string& path,
                          const std::function<bool()>& give_way,
@@ -131,7 +141,7 @@ RecordCopy copy_verified(Database& record, const std::string& path,
                         " has other rows than the record: it was not kept, make it again");
     for (const auto& [table, count] : counts) copy.rows += count;
   }
-  copy.bytes = static_cast<std::int64_t>(fs::file_size(part.path()));
+  copy.bytes = bytes_of(part.path());
   give_to_owner_of_folder(part.path());
   make_room();
   part.finish();
@@ -158,6 +168,27 @@ void require_chain(Database& db, const std::optional<ChainHead>& kept) {
                     "; nothing was put back");
 }
 
+// The present record gets the other name. Who could read it before can read the copy, and nobody
+// else.
+void set_present_aside(const Restore& restore) {
+  std::error_code failed;
+  const auto rights = fs::status(restore.database, failed).permissions();
+  if (!failed) fs::permissions(restore.database + Part::kSuffix, rights, failed);
+  if (failed)
+    throw_failure(ErrorCode::not_found, reasons::kCannotOpen,
+                  "the copy cannot have the rights of " + restore.database + ": " +
+                      failed.message() + "; nothing was put back");
+  for (const char* part : {"-wal", "-shm", ""}) {
+    if (!is_present(restore.database + part)) continue;
+    fs::rename(restore.database + part, restore.present_kept_as + part, failed);
+    if (failed)
+      throw_failure(ErrorCode::not_found, reasons::kCannotOpen,
+                    "the present record's file " + restore.database + part + " cannot be named " +
+                        restore.present_kept_as + part + ": " + failed.message() +
+                        "; nothing was put back");
+  }
+}
+
 }  // namespace
 
 RecordCopy copy_record(Database& record, const std::string& path,
@@ -173,7 +204,7 @@ Result<RecordCopy> restore_record(const Restore& restore) {
     require_sound(copy);
     require_chain(copy, restore.kept);
     std::optional<DatabaseLock> nobody_has_it;
-    const bool replaces = !restore.present_kept_as.empty() && fs::exists(restore.database);
+    const bool replaces = !restore.present_kept_as.empty() && is_present(restore.database);
     if (replaces) {
       refuse_present(restore.present_kept_as);
       nobody_has_it.emplace(restore.database);
@@ -181,12 +212,7 @@ Result<RecordCopy> restore_record(const Restore& restore) {
       refuse_present(restore.database);
     }
     return copy_verified(copy, restore.database, {}, [&] {
-      if (!replaces) return;
-      // Who could read the record before can read it now, and nobody else.
-      fs::permissions(restore.database + Part::kSuffix, fs::status(restore.database).permissions());
-      for (const char* part : {"-wal", "-shm", ""})
-        if (fs::exists(restore.database + part))
-          fs::rename(restore.database + part, restore.present_kept_as + part);
+      if (replaces) set_present_aside(restore);
     });
   });
 }

@@ -1,8 +1,9 @@
 #pragma once
 // Inside this room a failing SQLite call throws StorageFailure, so that a method reads as the SQL
-// it runs and a transaction rolls back by leaving its scope. answered() turns it into a Result at
-// the port: nothing leaves.
+// it runs and a transaction rolls back by leaving its scope. answered() turns it, and every other
+// exception, into a Result at the port: nothing leaves.
 
+#include <exception>
 #include <new>
 #include <string>
 #include <type_traits>
@@ -50,6 +51,9 @@ auto answered(F&& body) -> Result<std::invoke_result_t<F>> {
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::resource_exhausted, reasons::kOutOfMemory,
                 "the store ran out of memory; nothing was written");
+  } catch (const std::exception& bug) {
+    return fail(ErrorCode::internal, reasons::kBug,
+                std::string("the store met a bug: ") + bug.what() + ": please report it");
   }
 }
 

@@ -40,6 +40,18 @@ UtcTime instant_of(const std::string& text) {
   return {parsed ? parsed->utc_ns : 0};
 }
 
+// Set while it lives, also where an exception ends the work.
+class UnderWay {
+ public:
+  explicit UnderWay(bool& flag) : flag_(flag) { flag_ = true; }
+  ~UnderWay() { flag_ = false; }
+  UnderWay(const UnderWay&) = delete;
+  UnderWay& operator=(const UnderWay&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 }  // namespace
 
 Backups::Backups(Clock& clock, std::string database, BackupRules rules, StoreReader& reader,
@@ -60,12 +72,14 @@ std::string Backups::stem() const { return fs::path(database_).stem().string() +
 
 std::vector<std::string> Backups::present() const {
   std::vector<std::string> paths;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder(), none)) {
-    const std::string name = entry.path().stem().string();
-    if (entry.path().extension() == ".db" && name.starts_with(stem()) &&
+  std::error_code failed;  // a folder that cannot be read: the copy itself will say so
+  for (fs::directory_iterator entry(folder(), failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const fs::path& path = entry->path();
+    const std::string name = path.stem().string();
+    if (path.extension() == ".db" && name.starts_with(stem()) &&
         is_instant(name.substr(stem().size())))
-      paths.push_back(entry.path().string());
+      paths.push_back(path.string());
   }
   std::ranges::sort(paths);
   return paths;
@@ -75,7 +89,7 @@ Awaitable<Result<RecordCopy>> Backups::make(const Caller* by) {
   if (under_way_)
     co_return fail(ErrorCode::failed_precondition, reasons::kBackupUnderWay,
                    "a backup is being made: ask again when it is done");
-  under_way_ = true;
+  const UnderWay under_way(under_way_);
   const Caller caller = by ? *by : Caller{};
   const bool asked = by != nullptr;
   const std::string path =
@@ -93,7 +107,6 @@ Awaitable<Result<RecordCopy>> Backups::make(const Caller* by) {
         return copy;
       },
       path);
-  under_way_ = false;
   DRIFTWISE_CO_TRY(auto copy, copied);
   const auto detail =
       fmt::format("{} holds {} rows, {:.1f} MB, checked; chain {}", copy.path, copy.rows,

@@ -51,6 +51,25 @@ TEST_F(RecordCopyTest, NeverOverwritesAndLeavesNothingOfACopyThatGaveWay) {
   EXPECT_FALSE(std::filesystem::exists(other + ".part"));
 }
 
+// A link that leads to itself stands for a folder without the right to search it: root would search
+// that one all the same.
+TEST_F(RecordCopyTest, IntoAFolderThatCannotBeSearchedIsRefused) {
+  std::filesystem::create_symlink("loop", folder / "loop");
+  const auto made = store->audit().back_up(folder / "loop/copy.db", {});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::not_found);
+  EXPECT_EQ(made.error().reason, "CANNOT_OPEN");
+  EXPECT_THAT(made.error().message, HasSubstr("loop/copy.db cannot be looked for"));
+  ASSERT_TRUE(store->audit().back_up(copy, {})) << "another folder does";
+  for (const auto& put_back : {Restore{copy, folder / "loop/cell.db", "", {}},
+                               Restore{copy, folder / "loop/cell.db", kept_as, {}},
+                               Restore{copy, path, folder / "loop/before.db", {}}}) {
+    const auto restored = restore_record(put_back);
+    ASSERT_FALSE(restored) << put_back.database;
+    EXPECT_EQ(restored.error().reason, "CANNOT_OPEN") << put_back.database;
+  }
+}
+
 TEST_F(RecordCopyTest, ComesBackWhereNothingIs) {
   const auto head = store->audit().back_up(copy, {})->head;
   const auto restored = restore_record({copy, other, "", head});

@@ -38,6 +38,14 @@ class UpkeepTest : public StoreTest {
   }
 };
 
+TEST_F(UpkeepTest, SaysThatTheFolderOfACopyCannotBeSearched) {
+  fs::create_symlink("loop", folder / "loop");  // also root cannot search it
+  const auto copied = upkeep().copy_to(folder / "loop/cell.db.kept");
+  ASSERT_FALSE(copied);
+  EXPECT_EQ(copied.error().reason, "CANNOT_OPEN");
+  EXPECT_TRUE(commit(0)) << "the record itself takes points";
+}
+
 TEST_F(UpkeepTest, NoToldPointIsLostWithADeletedLog) {
   for (int row = 0; row < 5; ++row) ASSERT_TRUE(commit(row));
   ASSERT_EQ(upkeep().files(), DatabaseFiles::good);

@@ -75,6 +75,22 @@ TEST_F(BackupsInACell, ThatFailAreAnAlarmUntilOneIsMade) {
   EXPECT_THAT(files(".db"), testing::Not(IsEmpty()));
 }
 
+// The name of the backup is longer than a file system takes, so that nobody can say whether there
+// is such a file: as in a folder that cannot be searched, which root would search all the same.
+TEST_F(BackupsInACell, ThatCannotBeLookedForAreAnAlarmAndAreTriedAgain) {
+  auto description = small_cell(folder / (std::string(240, 'c') + ".sqlite"));
+  description.backup = {folder / "kept", 2, 3};
+  auto& running = cell_.emplace(world, description, kSqlite, kWorldBegin);
+  running.pass(600);
+  ASSERT_THAT(running.alarms_of("backup.failed"), SizeIs(1));
+  EXPECT_THAT(running.alarms_of("backup.failed").front(), HasSubstr("cannot be looked for"));
+  const auto asked = running.await(running->keeping.back_up(running.ada));
+  ASSERT_FALSE(asked);
+  EXPECT_EQ(asked.error().reason, "CANNOT_OPEN") << "and no backup is under way for good";
+  running.pass(2 * 3600);
+  EXPECT_THAT(running.alarms_of("backup.failed"), SizeIs(1)) << "the cell works on";
+}
+
 TEST(DiskForecast, NeedsAnHourAndGrowth) {
   application::DiskForecast forecast;
   const auto at_h = [](double hours) { return CellTime{0} + nanoseconds_from_s(hours * 3600); };

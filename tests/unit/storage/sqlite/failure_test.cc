@@ -7,6 +7,7 @@
 #include <sqlite3.h>
 
 #include <cerrno>
+#include <stdexcept>
 
 namespace driftwise::storage {
 namespace {
@@ -31,6 +32,14 @@ TEST(ADiskThatAnswersWithAnError, IsNotWaitedFor) {
   const Error error = answer(SQLITE_IOERR_WRITE, EIO);
   EXPECT_EQ(error.code, ErrorCode::data_loss);
   EXPECT_EQ(error.reason, "DISK_ERROR");
+}
+
+TEST(AnExceptionThatNobodyExpected, IsAnErrorAtThePort) {
+  const auto answer = answered([]() -> int { throw std::runtime_error("no such page"); });
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::internal);
+  EXPECT_EQ(answer.error().reason, "BUG");
+  EXPECT_THAT(answer.error().message, testing::HasSubstr("no such page"));
 }
 
 }  // namespace
