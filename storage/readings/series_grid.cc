@@ -3,17 +3,26 @@
 #include <algorithm>
 
 namespace driftwise::storage {
+namespace {
+
+// A quotient of two numbers that are not negative, rounded up; no sum in it can overflow.
+std::int64_t quotient_up(std::int64_t number, std::int64_t by) {
+  return number / by + (number % by == 0 ? 0 : 1);
+}
+
+}  // namespace
 
 SeriesGrid series_grid(std::int64_t from_ns, std::int64_t to_ns, int asked) {
   constexpr std::int64_t kTickNs = 1000;  // instants are kept to a microsecond
+  from_ns = std::clamp<std::int64_t>(from_ns, 0, kFarthestNs);
+  to_ns = std::clamp<std::int64_t>(to_ns, from_ns, kFarthestNs);
   SeriesGrid grid;
-  const std::int64_t wanted = std::max(kTickNs, (to_ns - from_ns + asked - 1) / asked);
+  const std::int64_t wanted = std::max(kTickNs, quotient_up(to_ns - from_ns, asked));
   while (grid.level < kSummaryLevels && 4 * bucket_ns(grid.level + 1) <= wanted) ++grid.level;
   const std::int64_t unit = grid.level == 0 ? kTickNs : bucket_ns(grid.level);
-  grid.bucket_ns = (wanted + unit - 1) / unit * unit;
+  grid.bucket_ns = quotient_up(wanted, unit) * unit;
   grid.from_ns = floor_to(from_ns, grid.level == 0 ? kTickNs : grid.bucket_ns);
-  grid.buckets =
-      static_cast<std::size_t>((to_ns - grid.from_ns + grid.bucket_ns - 1) / grid.bucket_ns);
+  grid.buckets = static_cast<std::size_t>(quotient_up(to_ns - grid.from_ns, grid.bucket_ns));
   return grid;
 }
 

@@ -161,6 +161,30 @@ TEST_F(SeriesStoreTest, ARunsPointsAreASeriesToo) {
   EXPECT_EQ(store->series().series(query).error().reason, "NO_SUCH_RUN");
 }
 
+// The longest range that a request may ask for: sums of its ends and a bucket pass 64 bits.
+TEST_F(SeriesStoreTest, OfAllTimeHoldsEveryReading) {
+  fill(3000, 7);
+  for (const bool summarised : {false, true}) {
+    if (summarised) {
+      ASSERT_TRUE(store->series().summarise());
+    }
+    for (const int buckets : {1, 2, 7}) {
+      SCOPED_TRACE(buckets);
+      SeriesQuery query{{"t01_degC"}, {1}, {9'000'000'000'999'999'999}, buckets, {}};
+      for (const CellTime from : {CellTime{1}, CellTime{-5}, at_s(-1).utc}) {
+        query.from = from;
+        const auto answer = store->series().series(query);
+        ASSERT_TRUE(answer) << answer.error().message;
+        EXPECT_GE(answer->to, query.to);
+        const auto& count = answer->columns.at(0).count;
+        EXPECT_LE(count.size(), static_cast<std::size_t>(buckets) + 1);
+        EXPECT_EQ(std::accumulate(count.begin(), count.end(), std::int64_t{0}),
+                  std::ssize(values_));
+      }
+    }
+  }
+}
+
 TEST_F(SeriesStoreTest, NamesAChannelThatWasNeverRecorded) {
   const auto answer = store->series().series({{"t99_degC"}, at_s(0).utc, at_s(9).utc, 4, {}});
   ASSERT_FALSE(answer);
