@@ -61,10 +61,8 @@ std::vector<std::string> set_names_of(Store& store, const std::vector<RunId>& ru
                                       const Dataset& dataset) {
   const auto kept = std::ranges::find(dataset.metadata, std::string(formats::kSetNamesKey),
                                       &std::pair<std::string, std::string>::first);
-  if (kept != dataset.metadata.end()) {
-    auto names = formats::unpacked_set_names(kept->second);
-    return names.size() == dataset.rows ? names : std::vector<std::string>();
-  }
+  if (kept != dataset.metadata.end())
+    return formats::unpacked_set_names(kept->second, dataset.rows);
   std::map<std::int64_t, std::vector<std::string>> by_run;  // in the order of its points
   bool any = false;
   for (const RunId id : runs) {
@@ -119,6 +117,11 @@ Names named_sets_in(const std::string& csv) {
   return named_or_none(std::move(names));
 }
 
+void drop_set_names(Dataset& dataset) {
+  std::erase_if(dataset.metadata,
+                [](const auto& line) { return line.first == formats::kSetNamesKey; });
+}
+
 struct ParsedFile {
   Dataset dataset;
   std::string hash;  // of the text
@@ -127,7 +130,9 @@ struct ParsedFile {
 Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
   DRIFTWISE_TRY(auto dataset, formats::read_dataset_csv(csv, name.empty() ? "dataset" : name, {},
                                                         formats::kRequestLimits));
-  // The store keeps which rows validate; names of sets are kept as a line of metadata.
+  // The store keeps which rows validate; names of sets are kept as a line of metadata. A file that
+  // has such a line of its own names its sets in the column all the same.
+  drop_set_names(dataset);
   DRIFTWISE_TRY(const auto names, formats::read_set_names(csv, "dataset"));
   if (!formats::named_sets(names).empty())
     dataset.metadata.emplace_back(formats::kSetNamesKey, formats::packed_set_names(names));
@@ -139,8 +144,7 @@ Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool 
                              const std::string& cell, Clock* clock) {
   DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
   auto set_names = set_names_of(store, runs, dataset);
-  std::erase_if(dataset.metadata,
-                [](const auto& line) { return line.first == formats::kSetNamesKey; });
+  drop_set_names(dataset);
   if (without_excluded) {
     std::vector<std::string> kept;
     for (std::size_t row = 0; row < set_names.size(); ++row)

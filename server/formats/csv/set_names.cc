@@ -98,8 +98,7 @@ std::string packed_set_names(const std::vector<std::string>& names) {
   return line;
 }
 
-std::vector<std::string> unpacked_set_names(std::string_view line) {
-  constexpr std::size_t kMostRows = 100'000'000;
+std::vector<std::string> unpacked_set_names(std::string_view line, std::size_t rows) {
   std::vector<std::string> names;
   while (!line.empty()) {
     const std::size_t end = std::min(line.find(' '), line.size());
@@ -110,9 +109,10 @@ std::vector<std::string> unpacked_set_names(std::string_view line) {
     if (star == std::string_view::npos || !is_set_name(item.substr(0, star))) return {};
     const char* last = item.data() + item.size();
     const auto [after, error] = std::from_chars(item.data() + star + 1, last, count);
-    if (error != std::errc() || after != last || names.size() + count > kMostRows) return {};
+    if (error != std::errc() || after != last || count > rows - names.size()) return {};
     names.insert(names.end(), count, std::string(item.substr(0, star)));
   }
+  if (names.size() != rows) names.clear();
   return names;
 }
 

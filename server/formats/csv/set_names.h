@@ -28,9 +28,9 @@ Result<std::vector<std::string>> read_set_names(std::string_view text,
 std::string with_set_names(std::string_view text, const std::vector<std::string>& names);
 
 // The names as one line of metadata, and back: "calibration*600 inside*150". Empty: there are none,
-// or the line is not such a line.
+// or the line is not such a line, or it does not name exactly `rows` rows.
 std::string packed_set_names(const std::vector<std::string>& names);
-std::vector<std::string> unpacked_set_names(std::string_view line);
+std::vector<std::string> unpacked_set_names(std::string_view line, std::size_t rows);
 constexpr std::string_view kSetNamesKey = "set_names";
 
 // Names beyond calibration and validation, in the order of their first row.

@@ -258,6 +258,27 @@ TEST_F(RunServiceTest, DatasetsGoOutInPiecesAndComeBackTheSame) {
   EXPECT_EQ(kept->find("q1")->values, sent->find("q1")->values);
 }
 
+// The daemon keeps names of sets under this key; what a file says there is nothing of the kind.
+TEST_F(RunServiceTest, TheSetsOfAnImportedFileAreThoseOfItsColumn) {
+  for (const char* line : {"# set_names: outside*3\n", "# set_names: outside*100000000\n"}) {
+    const std::string rows = "set,x_mm\ncalibration,1\ninside,2\nvalidation,3\n";
+    v1::ImportDatasetRequest in;
+    in.set_name("old");
+    in.set_csv("# driftwise-dataset: 1\n" + std::string(line) + rows);
+    const auto run = ask(&v1::DataService::Stub::ImportDataset, in);
+    ASSERT_TRUE(run) << run.error().message;
+    Call call;
+    v1::ExportDatasetRequest out;
+    out.add_run_ids(run->run().id());
+    const auto reader = v1::DataService::Stub(channel).ExportDataset(&call, out);
+    std::string back;
+    for (v1::ExportDatasetResponse piece; reader->Read(&piece);) back += piece.chunk();
+    EXPECT_TRUE(reader->Finish().ok());
+    EXPECT_THAT(back, testing::HasSubstr("\ninside,2"));
+    EXPECT_THAT(back, testing::Not(testing::HasSubstr("outside")));
+  }
+}
+
 TEST_F(RunServiceTest, ExportRefusesNothingUnknownAndTwice) {
   const auto refused = [&](std::vector<std::int64_t> ids) {
     Call call;

@@ -71,9 +71,17 @@ TEST(SetNames, ArePutIntoATextThatIsOtherwiseUnchanged) {
 TEST(SetNames, GoThroughALineOfMetadata) {
   const std::vector<std::string> names{"calibration", "calibration", "inside", "calibration"};
   EXPECT_EQ(packed_set_names(names), "calibration*2 inside*1 calibration*1");
-  EXPECT_EQ(unpacked_set_names(packed_set_names(names)), names);
-  EXPECT_THAT(unpacked_set_names("calibration*two"), IsEmpty());
-  EXPECT_THAT(unpacked_set_names("inside*99999999999999999999"), IsEmpty());
+  EXPECT_EQ(unpacked_set_names(packed_set_names(names), 4), names);
+  EXPECT_THAT(unpacked_set_names("calibration*two", 2), IsEmpty());
+  EXPECT_THAT(unpacked_set_names("inside*99999999999999999999", 2), IsEmpty());
+}
+
+TEST(SetNames, OfALineThatHasMoreOrFewerThanTheRowsAreNone) {
+  EXPECT_THAT(unpacked_set_names("inside*2", 3), IsEmpty());
+  EXPECT_THAT(unpacked_set_names("inside*2 outside*2", 3), IsEmpty());
+  EXPECT_THAT(unpacked_set_names("inside*1 outside*18446744073709551615", 3), IsEmpty());
+  EXPECT_EQ(unpacked_set_names("inside*100000000", 3).capacity(), 0U) << "and cost no memory";
+  EXPECT_EQ(unpacked_set_names("inside*3", 3).size(), 3U);
 }
 
 }  // namespace
