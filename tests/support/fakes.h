@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/steady_timer.hpp>
+#include <exception>
 #include <map>
 
 #include "server/application/plumbing/watch_list.h"
@@ -37,10 +38,16 @@ inline tl::unexpected<Error> not_faked() {
   return fail(ErrorCode::internal, "NOT_FAKED", "this fake does not do that");
 }
 
+// Throws what is there, once.
+inline void throw_once(std::exception_ptr& error) {
+  if (error) std::rethrow_exception(std::exchange(error, nullptr));
+}
+
 class FakeRuns final : public app::Runs {
  public:
   std::map<std::int64_t, RunRecord> runs;
   std::optional<Error> fail_next;
+  std::exception_ptr throws_next;  // of get()
   app::CreateRun last_create;
   app::HoldAnswer last_answer;
   double last_force_n = 0;
@@ -96,6 +103,7 @@ class FakeRuns final : public app::Runs {
     co_return found->second;
   }
   Awaitable<Result<RunRecord>> get(RunId id) override {
+    throw_once(throws_next);
     if (fail_next) co_return tl::unexpected(*std::exchange(fail_next, std::nullopt));
     co_return find(id);
   }
@@ -132,15 +140,40 @@ class FakeFeeds final : public app::Feeds {
   CountedWatch<EventRecord> events;
   CountedWatch<Reading> readings;
   CountedWatch<> records;
+  std::exception_ptr throws_next;  // of watch_readings()
 
   std::shared_ptr<void> watch_events(std::function<void(const EventRecord&)> on_event) override {
     return events.add(std::move(on_event));
   }
   std::shared_ptr<void> watch_readings(std::function<void(const Reading&)> on_reading) override {
+    throw_once(throws_next);
     return readings.add(std::move(on_reading));
   }
   std::shared_ptr<void> watch_records(std::function<void()> on_news) override {
     return records.add(std::move(on_news));
+  }
+};
+
+class FakeDatasets final : public app::Datasets {
+ public:
+  std::exception_ptr throws_next;  // of export_csv()
+
+  Awaitable<Result<Dataset>> load(std::vector<RunId>, std::string) override {
+    co_return not_faked();
+  }
+  Awaitable<Result<std::vector<std::string>>> set_names(std::vector<RunId>, std::string) override {
+    co_return not_faked();
+  }
+  Awaitable<Result<std::string>> export_csv(std::vector<RunId>, bool) override {
+    throw_once(throws_next);
+    co_return "x_mm\n1\n";
+  }
+  Awaitable<Result<RunRecord>> import_csv(app::Caller, std::string, std::string,
+                                          std::string) override {
+    co_return not_faked();
+  }
+  Awaitable<Result<app::JoinAnswer>> join(app::Caller, app::JoinRequest) override {
+    co_return not_faked();
   }
 };
 

@@ -130,7 +130,7 @@ app::Services LiveCell::services(const Fakes& fakes) {
           own.manual,
           fakes.runs ? *fakes.runs : own.runs,
           own.trajectories,
-          own.datasets,
+          fakes.datasets ? *fakes.datasets : own.datasets,
           own.annotations,
           fakes.models ? *fakes.models : own.models,
           own.promotions,

@@ -22,6 +22,7 @@ namespace app = driftwise::application;
 // Fakes in the place of services; none: the cell's own.
 struct Fakes {
   app::Runs* runs = nullptr;
+  app::Datasets* datasets = nullptr;
   app::Models* models = nullptr;
   app::ModelChecks* checks = nullptr;
   app::Targets* targets = nullptr;

@@ -3,8 +3,8 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/ports/host.h"
 #include "server/application/watching/feeds.h"
-#include "server/core/ports/spawn.h"
 #include "server/rpc/cell/convert_cell.h"
+#include "server/rpc/shared/source_task.h"
 #include "server/rpc/shared/watch_sources.h"
 
 namespace driftwise::rpc {
@@ -71,7 +71,7 @@ class EventSource final : public StreamSource<v1::WatchEventsResponse> {
     if (state_->batch.empty()) {
       if (state_->more && !state_->fetching && !state_->end) {
         state_->fetching = true;
-        spawn(host_.executor(), fetch(records_, state_));
+        spawn_for_source(host_.executor(), fetch(records_, state_), state_);
       }
       return std::nullopt;
     }

@@ -2,7 +2,7 @@
 
 #include "server/application/datasets/datasets.h"
 #include "server/application/ports/host.h"
-#include "server/core/ports/spawn.h"
+#include "server/rpc/shared/source_task.h"
 #include "server/rpc/shared/watch_sources.h"
 
 namespace driftwise::rpc {
@@ -44,7 +44,7 @@ class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
 
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
-    spawn(host_.executor(), query(datasets_, runs_, without_excluded_, state_));
+    spawn_for_source(host_.executor(), query(datasets_, runs_, without_excluded_, state_), state_);
   }
 
   std::optional<v1::ExportDatasetResponse> next() override {

@@ -3,8 +3,8 @@
 #include "server/application/improvement/improvements.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/ports/host.h"
-#include "server/core/ports/spawn.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
+#include "server/rpc/shared/source_task.h"
 #include "server/rpc/shared/watch_sources.h"
 
 namespace driftwise::rpc {
@@ -77,7 +77,7 @@ class DiagnosisSource final : public StreamSource<v1::WatchDiagnosisResponse> {
     watch_ = diagnoses_.watch([state = state_](const application::DiagnosisProgress& progress) {
       if (progress.id == state->id) state->take(progress);
     });
-    spawn(host_.executor(), look_up_diagnosis(diagnoses_, state_));
+    spawn_for_source(host_.executor(), look_up_diagnosis(diagnoses_, state_), state_);
   }
   std::optional<v1::WatchDiagnosisResponse> next() override {
     if (!state_->pending) return std::nullopt;
@@ -111,7 +111,7 @@ class ImprovementSource final : public StreamSource<v1::WatchImprovementResponse
         improvements_.watch([state = state_](const application::ImprovementProgress& progress) {
           if (progress.id == state->id) state->take(progress);
         });
-    spawn(host_.executor(), look_up_improvement(records_, state_));
+    spawn_for_source(host_.executor(), look_up_improvement(records_, state_), state_);
   }
   std::optional<v1::WatchImprovementResponse> next() override {
     if (!state_->pending) return std::nullopt;

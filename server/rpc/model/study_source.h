@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "server/application/analyses/studies.h"
-#include "server/core/ports/spawn.h"
+#include "server/rpc/shared/source_task.h"
 #include "server/rpc/shared/stream.h"
 
 namespace driftwise::rpc {
@@ -36,7 +36,7 @@ class StudySource final : public StreamSource<Response> {
           told.set_fraction(progress.fraction);
           alive->wake();
         });
-    spawn(executor_, carry_out(carry_, study_, state_));
+    spawn_for_source(executor_, carry_out(carry_, study_, state_), state_);
   }
 
   std::optional<Response> next() override { return std::exchange(state_->pending, std::nullopt); }

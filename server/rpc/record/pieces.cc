@@ -5,9 +5,9 @@
 #include "server/application/ports/host.h"
 #include "server/application/report/reports.h"
 #include "server/application/support/support_bundles.h"
-#include "server/core/ports/spawn.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/source_task.h"
 #include "server/rpc/shared/watch_sources.h"
 
 namespace driftwise::rpc {
@@ -50,7 +50,7 @@ class PieceSource final : public StreamSource<Response> {
 
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
-    spawn(host_.executor(), make(state_));
+    spawn_for_source(host_.executor(), make(state_), state_);
   }
 
   std::optional<Response> next() override {

@@ -2,9 +2,9 @@
 #include "server/application/ports/host.h"
 #include "server/application/runs/runs.h"
 #include "server/application/status/overview.h"
-#include "server/core/ports/spawn.h"
 #include "server/core/reasons.h"
 #include "server/rpc/run/convert_run.h"
+#include "server/rpc/shared/source_task.h"
 #include "server/rpc/shared/watch_sources.h"
 
 namespace driftwise::rpc {
@@ -70,7 +70,7 @@ class ProgressSource final : public StreamSource<v1::WatchRunResponse> {
     watch_ = runs_.watch([state = state_](const application::RunProgress& progress) {
       if (state->run && progress.run.id == *state->run) state->take(progress);
     });
-    spawn(host_.executor(), look_up(overview_, runs_, state_));
+    spawn_for_source(host_.executor(), look_up(overview_, runs_, state_), state_);
   }
 
   std::optional<v1::WatchRunResponse> next() override {

@@ -1,9 +1,13 @@
 #include "server/rpc/shared/error_mapping.h"
 
+#include <spdlog/spdlog.h>
+
 #include <array>
+#include <new>
 #include <utility>
 
 #include "driftwise/v1/error_detail.pb.h"
+#include "server/core/reasons.h"
 #include "server/rpc/shared/convert_values.h"
 
 namespace driftwise::rpc {
@@ -69,6 +73,14 @@ Error to_error(const grpc::Status& status) {
     }
   }
   return error;
+}
+
+Error error_of_exception(const std::exception& bug) {
+  spdlog::error("a call ended with an exception: {}", bug.what());
+  if (dynamic_cast<const std::bad_alloc*>(&bug) != nullptr)
+    return {ErrorCode::resource_exhausted, reasons::kOutOfMemory,
+            "the daemon has too little memory for this answer: ask for less of it"};
+  return {ErrorCode::internal, reasons::kBug, std::string("the daemon met a bug: ") + bug.what()};
 }
 
 }  // namespace driftwise::rpc

@@ -8,6 +8,8 @@
 
 #include <grpcpp/support/status.h>
 
+#include <exception>
+
 #include "server/core/result.h"
 
 namespace driftwise::rpc {
@@ -19,5 +21,9 @@ grpc::Status to_status(const Error& error);
 
 // The other way: reason "" when the status holds no detail of ours.
 Error to_error(const grpc::Status& status);
+
+// The error of a call that ended with an exception, which is logged. Ports answer with Result:
+// whatever is thrown is a bug of ours (BUG) or a lack of memory (OUT_OF_MEMORY).
+Error error_of_exception(const std::exception& bug);
 
 }  // namespace driftwise::rpc

@@ -8,14 +8,12 @@
 // answer goes nowhere.
 
 #include <grpcpp/server_context.h>
-#include <spdlog/spdlog.h>
 
 #include <exception>
 #include <utility>
 
 #include "server/application/ports/host.h"
 #include "server/core/ports/spawn.h"
-#include "server/core/reasons.h"
 #include "server/rpc/shared/error_mapping.h"
 
 namespace driftwise::rpc {
@@ -26,11 +24,8 @@ Awaitable<void> run_and_finish(grpc::ServerUnaryReactor* reactor, Work work) {
   try {
     const Result<void> result = co_await work();
     if (!result) status = to_status(result.error());
-  } catch (
-      const std::exception& bug) {  // ports answer with Result: whatever is thrown is a bug of ours
-    spdlog::error("a call ended with an exception: {}", bug.what());
-    status = to_status(
-        {ErrorCode::internal, reasons::kBug, std::string("the daemon met a bug: ") + bug.what()});
+  } catch (const std::exception& bug) {
+    status = to_status(error_of_exception(bug));
   }
   reactor->Finish(status);
 }

@@ -15,11 +15,11 @@
 #include "server/application/runs/runs.h"
 #include "server/application/status/overview.h"
 #include "server/application/watching/feeds.h"
-#include "server/core/ports/spawn.h"
 #include "server/core/try.h"
 #include "server/rpc/cell/convert_cell.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
 #include "server/rpc/run/convert_run.h"
+#include "server/rpc/shared/source_task.h"
 #include "server/rpc/watch/convert_watch.h"
 
 namespace driftwise::rpc {
@@ -28,6 +28,7 @@ namespace {
 using WallClock = std::chrono::steady_clock;
 constexpr auto kLookEvery = std::chrono::milliseconds(50);
 constexpr auto kCellEvery = std::chrono::seconds(1);
+constexpr auto kAfterABug = std::chrono::seconds(1);
 constexpr int kPageRecords = 500;
 constexpr std::size_t kEventsKept = 20'000;
 
@@ -94,23 +95,35 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
     asio::steady_timer timer(self->cell_.host.executor());
     auto due = std::chrono::steady_clock::now();
     while (self->wanted_ > 0) {
-      self->watch_again();
-      News news;
-      self->look_at_states(news);
-      if (std::exchange(self->records_news_, false)) {
-        auto reading = self->read_records(news);
-        co_await std::move(reading);
-      }
-      news.head = self->head_;
-      if (news.values || news.cell || news.progress || news.jobs || !news.pages.empty())
-        self->send(std::move(news));
       // By the clock, not after the work: twenty looks a second are twenty.
-      due = std::max(due + kLookEvery, std::chrono::steady_clock::now());
+      auto next = due + kLookEvery;
+      try {
+        auto looking = look(self);
+        co_await std::move(looking);
+      } catch (const std::exception& bug) {
+        static_cast<void>(error_of_exception(bug));
+        self->watches_.clear();  // the next look watches and reads anew
+        next = std::chrono::steady_clock::now() + kAfterABug;
+      }
+      due = std::max(next, std::chrono::steady_clock::now());
       timer.expires_at(due);
       co_await timer.async_wait(asio::as_tuple(asio::use_awaitable));
     }
     self->watches_.clear();
     self->running_ = false;
+  }
+
+  static Awaitable<void> look(std::shared_ptr<Look> self) {
+    self->watch_again();
+    News news;
+    self->look_at_states(news);
+    if (std::exchange(self->records_news_, false)) {
+      auto reading = self->read_records(news);
+      co_await std::move(reading);
+    }
+    news.head = self->head_;
+    if (news.values || news.cell || news.progress || news.jobs || !news.pages.empty())
+      self->send(std::move(news));
   }
 
   void watch_again() {
@@ -288,7 +301,7 @@ void WatchFeed::fetch(const RecordCursor& after, const RecordCursor& until,
   const auto ask = [](application::StoreReader& records, RecordCursor from, RecordCursor to,
                       std::shared_ptr<Back> back, std::weak_ptr<WatchFeed> feed,
                       std::function<void(Result<WatchChunk>)> answer) -> Awaitable<void> {
-    auto reading = records.records().records(from, to, kPageRecords);
+    auto reading = without_exception(records.records().records(from, to, kPageRecords));
     auto page = co_await std::move(reading);
     auto shared = std::make_shared<Result<RecordPage>>(std::move(page));
     back->post([shared, from, feed, answer] {

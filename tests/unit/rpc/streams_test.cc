@@ -1,6 +1,10 @@
 // Streams under slow, cancelled and many clients.
 
+#include <new>
+#include <stdexcept>
+
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/data_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
@@ -11,6 +15,7 @@ class StreamsTest : public RpcTest {
  protected:
   StreamsTest() {
     fakes.runs = &runs;
+    fakes.datasets = &datasets;
     fakes.feeds = &feeds;
     runs.add(3);
   }
@@ -34,6 +39,7 @@ class StreamsTest : public RpcTest {
     return event;
   }
   FakeRuns runs;
+  FakeDatasets datasets;
   FakeFeeds feeds;
 
  private:
@@ -242,6 +248,36 @@ TEST_F(StreamsTest, FortyClientsThatVanishLeaveNothingBehind) {
     reader->Finish();
   }
   EXPECT_TRUE(eventually([&] { return feeds.readings.now == 0; }));
+}
+
+TEST_F(StreamsTest, AnExceptionOfItsWorkEndsTheStreamAndNotTheDaemon) {
+  const auto exported = [&](std::exception_ptr thrown) {
+    cell.on_executor([&] { datasets.throws_next = thrown; });
+    Call call;
+    v1::ExportDatasetRequest request;
+    request.add_run_ids(3);
+    const auto reader = v1::DataService::Stub(channel).ExportDataset(&call, request);
+    v1::ExportDatasetResponse response;
+    while (reader->Read(&response)) {
+    }
+    return reader->Finish();
+  };
+  EXPECT_EQ(rpc::to_error(exported(std::make_exception_ptr(std::bad_alloc()))).reason,
+            "OUT_OF_MEMORY");
+  const auto bug = rpc::to_error(exported(std::make_exception_ptr(std::length_error("too long"))));
+  EXPECT_EQ(bug.reason, "BUG");
+  EXPECT_THAT(bug.message, testing::HasSubstr("too long"));
+  EXPECT_TRUE(exported(nullptr).ok());
+
+  cell.on_executor(
+      [&] { runs.throws_next = std::make_exception_ptr(std::runtime_error("no page")); });
+  Call call;
+  v1::WatchRunRequest request;
+  request.set_run_id(3);
+  const auto reader = v1::RunService::Stub(channel).WatchRun(&call, request);
+  v1::WatchRunResponse response;
+  EXPECT_FALSE(reader->Read(&response));
+  EXPECT_EQ(rpc::to_error(reader->Finish()).reason, "BUG");
 }
 
 TEST_F(StreamsTest, AShutdownEndsOpenStreams) {

@@ -1,5 +1,7 @@
 // Watch as its clients meet it: states, records by cursor, slow and returning clients.
 
+#include <stdexcept>
+
 #include "driftwise/v1/watch_service.grpc.pb.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
@@ -93,6 +95,14 @@ TEST_F(WatchServiceTest, BeginsWithTheLayoutTheValuesAndTheCell) {
   EXPECT_TRUE(batch.events(2).cell().values().empty());
   EXPECT_TRUE(batch.has_server_time());
   call.TryCancel();
+}
+
+TEST_F(WatchServiceTest, ALookThatEndsWithAnExceptionIsRepeated) {
+  cell.on_executor(
+      [&] { feeds.throws_next = std::make_exception_ptr(std::runtime_error("no page")); });
+  const std::string cursor = cursor_now();
+  const auto event = add_event("note");
+  EXPECT_EQ(watch_until_event(event, cursor).events.back(), event);
 }
 
 TEST_F(WatchServiceTest, AHeartbeatComesEverySecondWhateverHappens) {
