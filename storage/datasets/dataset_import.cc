@@ -61,7 +61,7 @@ void insert_file(Session& session, RunId run, const Dataset& dataset, const std:
   for (const DatasetColumn& column : dataset.columns)
     column_row
         .bind(run.value, position++,
-              session.names.channel(column.channel.name(), Names::Use::point))
+              session.names.channel(column.channel.name(), Names::Use::imported))
         .run();
 }
 

@@ -7,9 +7,21 @@
 
 namespace driftwise::storage {
 namespace {
-// SQLite takes 2000 columns in a view; a cell has tens of channels, a mistaken import could bring
-// more.
-constexpr std::size_t kMaxChannels = 1000;
+
+// A cell has tens of channels; imports could bring any number, and no name ever goes again.
+constexpr std::size_t kMostNamesForImports = 1000;
+
+void require_room_for_import(std::size_t names, const std::string& name, const std::string& path) {
+  if (names < kMostNamesForImports) return;
+  throw_failure(ErrorCode::resource_exhausted, reasons::kTooManyChannels,
+                "database " + path + " holds " + std::to_string(names) +
+                    " names of channels; imports may add names up to " +
+                    std::to_string(kMostNamesForImports) + " in all, and '" + name +
+                    "' is new. Nothing was imported: give the columns names that the record has "
+                    "(data import --mapping), leave out those that no fit needs, or import into "
+                    "another database");
+}
+
 }  // namespace
 
 std::int64_t Names::channel(const std::string& name, Use use) {
@@ -21,18 +33,14 @@ std::int64_t Names::channel(const std::string& name, Use use) {
   if (found == channels_.end()) {
     const auto parsed = parse_robot_channel(name);
     if (!parsed) throw StorageFailure{parsed.error()};
-    if (channels_.size() >= kMaxChannels)
-      throw_failure(ErrorCode::resource_exhausted, reasons::kTooManyChannels,
-                    "database " + db_.path() + " holds " + std::to_string(kMaxChannels) +
-                        " channels already, '" + name +
-                        "' would be one more: use the names of the cell file");
+    if (use == Use::imported) require_room_for_import(channels_.size(), name, db_.path());
     Query(db_, "INSERT INTO channel (name) VALUES (?)").bind(name).run();
     const std::int64_t id = db_.last_row_id();
     channel_names_[id] = name;
     found = channels_.emplace(name, Known{id, false, false}).first;
   }
   Known& known = found->second;
-  if (use == Use::point && !known.in_point) {
+  if ((use == Use::point || use == Use::imported) && !known.in_point) {
     Query(db_, "UPDATE channel SET in_point = 1 WHERE channel_id = ?").bind(known.id).run();
     known.in_point = point_view_stale_ = true;
   }

@@ -15,12 +15,13 @@ namespace driftwise::storage {
 
 class Names {
  public:
-  enum class Use { datum, point, reading };
+  enum class Use { datum, point, reading, imported };  // imported: in a point of a file
 
   explicit Names(Database& db) : db_(db) {}
 
   // Inside a write transaction: finds or adds. Throws invalid_argument BAD_CHANNEL
-  // (server/core/channel.h), resource_exhausted TOO_MANY_CHANNELS.
+  // (server/core/channel.h), resource_exhausted TOO_MANY_CHANNELS: an import would add to 1000
+  // names. A channel of the cell is never refused.
   std::int64_t channel(const std::string& name, Use use);
   std::int64_t device(const std::string& name);
 

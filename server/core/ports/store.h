@@ -44,7 +44,8 @@ class RunStore {
   unfinished_run() = 0;  // running, paused, waiting: to go on with after a restart
   // A dataset that was measured elsewhere becomes a run, done, in one transaction. The file's own
   // run and datum numbers, columns, order and metadata are kept: dataset() of this run alone gives
-  // it back exactly. Errors: invalid_argument BAD_CHANNEL, BAD_DATASET (columns of unequal length).
+  // it back exactly. Errors: invalid_argument BAD_CHANNEL, BAD_DATASET (columns of unequal length);
+  // resource_exhausted TOO_MANY_CHANNELS (new names beyond 1000).
   virtual Result<RunRecord> import_dataset(const NewRun& run, const Dataset& dataset) = 0;
   // Accepted points of the runs, in time order, as the dataset CSV has them. time_s starts at the
   // first point; an imported run has no instants of its own and follows after the measured ones.
