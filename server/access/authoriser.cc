@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "server/access/certificate.h"
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
@@ -11,6 +12,7 @@
 namespace driftwise::access {
 namespace {
 
+constexpr const char* kLocalCredential = "local";  // shorter than the id of any token
 constexpr std::size_t kMostNameBytes = 64, kMostSources = 1024, kMostBearerBytes = 512;
 constexpr std::chrono::minutes kWindow{1};
 
@@ -65,7 +67,8 @@ void Authoriser::note_within_bounds(AccessNote what) {
 Identity Authoriser::local(const Evidence& evidence, Proof proof) const {
   std::string name = short_name(evidence.stated_name);
   if (name.empty()) name = proof == Proof::open_loopback ? "unknown" : parts_.local_user;
-  return {std::move(name), Role::admin, proof, proof == Proof::token ? "local" : "", evidence.from};
+  return {std::move(name), Role::admin, proof, proof == Proof::token ? kLocalCredential : "",
+          evidence.from};
 }
 
 Result<Identity> Authoriser::identify(const Evidence& evidence) {
@@ -76,8 +79,12 @@ Result<Identity> Authoriser::identify(const Evidence& evidence) {
     if (const auto one = role_from_uri(uri); one && (!role || includes(*one, *role))) role = one;
   const std::string subject = short_name(evidence.certificate_name);
   if (role) {
-    Identity who{subject.empty() ? "unnamed" : subject, *role, Proof::certificate, "",
-                 evidence.from};
+    Identity who{subject.empty() ? "unnamed" : subject,
+                 *role,
+                 Proof::certificate,
+                 "",
+                 evidence.from,
+                 evidence.certificate_pem};
     shown_.note(evidence.certificate_pem, who.name, who.role);
     return who;
   }
@@ -85,6 +92,16 @@ Result<Identity> Authoriser::identify(const Evidence& evidence) {
   if (evidence.door == Door::loopback && parts_.loopback == LoopbackRule::open)
     return local(evidence, Proof::open_loopback);
   return nobody(evidence);
+}
+
+bool Authoriser::in_force(const Identity& who) const {
+  const auto now_utc_s = parts_.utc_s();
+  if (!who.certificate_pem.empty()) {
+    const auto facts = certificate_from(who.certificate_pem);
+    return facts && facts->not_after_utc_s > now_utc_s && !revoked(who.certificate_pem);
+  }
+  if (who.credential.empty() || who.credential == kLocalCredential) return true;
+  return parts_.tokens != nullptr && parts_.tokens->in_force(who.credential, now_utc_s);
 }
 
 std::vector<EndingProof> Authoriser::ending() const {

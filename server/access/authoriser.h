@@ -74,6 +74,11 @@ class Authoriser {
     return parts_.revoked != nullptr && parts_.revoked->contains(certificate_pem);
   }
 
+  // What this identity was proved with is in force still: its token is in the book and has not
+  // ended, its certificate is neither revoked nor over. True for a proof without an end: the unix
+  // socket, the local token, open loopback.
+  bool in_force(const Identity& who) const;
+
   // Tokens and certificates that are about to end, or have just ended.
   std::vector<EndingProof> ending() const;
 

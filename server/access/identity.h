@@ -24,6 +24,9 @@ struct Identity {
   Proof proof = Proof::open_loopback;  //
   std::string credential;              // token's id, certificate's name; empty: none
   std::string from;                    // "ipv4:10.0.0.2:4711", "unix:0"
+  // The client certificate whole, as PEM; empty: none was shown. A page session keeps that of the
+  // link it was begun with. Not among the bytes that the web gateway vouches with.
+  std::string certificate_pem = {};
 
   bool operator==(const Identity&) const = default;
 };

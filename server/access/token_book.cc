@@ -142,6 +142,13 @@ Result<TokenRecord> TokenBook::revoke(const std::string& id) {
   return gone.record;
 }
 
+bool TokenBook::in_force(std::string_view id, std::int64_t now_utc_s) const {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(tokens_, [&](const Kept& kept) {
+    return kept.record.id == id && !over(kept.record, now_utc_s);
+  });
+}
+
 std::optional<TokenRecord> TokenBook::known(std::string_view text, std::int64_t now_utc_s) const {
   const std::string hash = sha256(text);
   const std::lock_guard lock(mutex_);

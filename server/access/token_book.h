@@ -51,6 +51,9 @@ class TokenBook {
   // In force at once, for calls that begin later. Errors: not_found NO_TOKEN.
   Result<TokenRecord> revoke(const std::string& id);
 
+  // The book has this token, and its time has not ended.
+  bool in_force(std::string_view id, std::int64_t now_utc_s) const;
+
   // The token was checked before and is good: no scrypt is needed. Never counts as a try.
   std::optional<TokenRecord> known(std::string_view text, std::int64_t now_utc_s) const;
   // Errors: unauthenticated BAD_TOKEN: the same sentence for what is no token, an unknown, a

@@ -334,6 +334,7 @@ inline constexpr Reason kOutsideLimits{"OUTSIDE_LIMITS", Recovery::by_code};
 inline constexpr Reason kOutOfMemory{"OUT_OF_MEMORY", Recovery::by_code};
 inline constexpr Reason kOutOfRange{"OUT_OF_RANGE", Recovery::by_code};
 inline constexpr Reason kOutOfStep{"OUT_OF_STEP", Recovery::by_code};
+inline constexpr Reason kPageSession{"PAGE_SESSION", Recovery::by_code};
 inline constexpr Reason kParameterCount{"PARAMETER_COUNT", Recovery::by_code};
 inline constexpr Reason kParameterMissing{"PARAMETER_MISSING", Recovery::by_code};
 inline constexpr Reason kParameterRange{"PARAMETER_RANGE", Recovery::by_code};

@@ -1,6 +1,5 @@
 #include "server/web/entrance.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "server/application/plumbing/run_on.h"
@@ -14,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using std::chrono::seconds;
-constexpr seconds kLookAtTokens{1};
+constexpr seconds kLookAtProofs{1};
 
 std::int64_t utc_s() {
   return std::chrono::duration_cast<seconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -65,6 +64,16 @@ Error nobody(bool had_session) {
               "computer"};
 }
 
+Error ended_proof(const access::Identity& who) {
+  const bool certificate = !who.certificate_pem.empty();
+  return {ErrorCode::unauthenticated,
+          certificate ? reasons::kCertificateRevoked : reasons::kBadToken,
+          std::string("the ") + (certificate ? "certificate" : "token") + " of '" + who.name +
+              "' was revoked or has ended: no session begins with it. Log in with another one; an "
+              "admin makes it ('" +
+              (certificate ? "driftwise cert client" : "driftwise token create") + "')"};
+}
+
 }  // namespace
 
 HttpResponse refused_answer(const Error& error) {
@@ -105,17 +114,10 @@ const SessionDesk::Session* Entrance::session_of(const HttpRequest& request) {
 }
 
 void Entrance::end_revoked(SessionDesk::Instant now) {
-  if (now - looked_ < kLookAtTokens) return;
+  if (now - looked_ < kLookAtProofs) return;
   looked_ = now;
-  const auto credentials = desk_.credentials();
-  if (credentials.empty()) return;
-  const auto tokens = parts_.access.tokens().list();
-  for (const auto& credential : credentials) {
-    if (credential.empty()) continue;
-    const auto found = std::ranges::find(tokens, credential, &access::TokenRecord::id);
-    if (found == tokens.end() || (found->expires_utc_s && *found->expires_utc_s <= utc_s()))
-      desk_.end_of_credential(credential);
-  }
+  desk_.end_unless(
+      [this](const access::Identity& who) { return parts_.access.authoriser().in_force(who); });
 }
 
 bool Entrance::lasts(const std::string& session) {
@@ -194,13 +196,11 @@ Awaitable<HttpResponse> Entrance::log_in(HttpRequest request) {
                                : by_link(std::move(link), request.peer);
   auto who = co_await std::move(checking);
   if (!who) co_return refused_json(who.error());
+  // A link lives two minutes: what it was asked for with may have been revoked meanwhile.
+  if (!parts_.access.authoriser().in_force(*who)) co_return refused_json(ended_proof(*who));
   const auto now = std::chrono::steady_clock::now();
   // The session of before ends: a browser has one.
   desk_.end(cookie_value(request.header("cookie"), cookie_name_));
-  // Only a token of the book can be revoked, and then ends its sessions.
-  const auto tokens = parts_.access.tokens().list();
-  if (std::ranges::find(tokens, who->credential, &access::TokenRecord::id) == tokens.end())
-    who->credential.clear();
   const std::string cookie = desk_.begin(std::move(*who), now);
   const auto* session = desk_.find(cookie, now);
   HttpResponse response = json_answer(200, json_of(*session));

@@ -8,7 +8,8 @@
 // Three proofs count: "Authorization: Bearer dwt_...", the cookie of a session, and on a plain door
 // with [access] loopback = "open" none at all. The cookie cannot be read by scripts, goes to no
 // other site, and counts for a command only where the browser says that our own page sends it.
-// Wrong tokens and links are slowed and counted by the authoriser.
+// Wrong tokens and links are slowed and counted by the authoriser. A session lasts no longer than
+// the token or certificate behind it: of a link, that of whoever asked for it.
 //
 // Thread: the web thread; what takes long (scrypt) runs on the host's background thread.
 

@@ -1,7 +1,6 @@
 #include "server/web/session_desk.h"
 
 #include <algorithm>
-#include <set>
 
 #include "server/access/token.h"
 
@@ -29,15 +28,8 @@ bool SessionDesk::end(std::string_view cookie) {
   return sessions_.erase(access::sha256(cookie)) > 0;
 }
 
-void SessionDesk::end_of_credential(const std::string& credential) {
-  std::erase_if(sessions_,
-                [&](const auto& one) { return one.second.who.credential == credential; });
-}
-
-std::vector<std::string> SessionDesk::credentials() const {
-  std::set<std::string> out;
-  for (const auto& [key, session] : sessions_) out.insert(session.who.credential);
-  return {out.begin(), out.end()};
+void SessionDesk::end_unless(const std::function<bool(const access::Identity&)>& in_force) {
+  std::erase_if(sessions_, [&](const auto& one) { return !in_force(one.second.who); });
 }
 
 void SessionDesk::make_room(const std::string& name) {

@@ -5,10 +5,10 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "server/access/identity.h"
 
@@ -33,10 +33,8 @@ class SessionDesk {
   // nullptr: unknown, or over. Until the next call of another function.
   const Session* find(std::string_view cookie, Instant now);
   bool end(std::string_view cookie);  // false: there was none
-  // Every session that was begun with this credential: its token was revoked.
-  void end_of_credential(const std::string& credential);
-  // Credentials of the sessions there are, each once.
-  std::vector<std::string> credentials() const;
+  // Every session whose identity fails the test: its token or certificate was revoked.
+  void end_unless(const std::function<bool(const access::Identity&)>& in_force);
   std::size_t size() const { return sessions_.size(); }
 
  private:

@@ -74,7 +74,13 @@ class AccessService final : public v1::AccessService::CallbackService {
     if (!links_)
       return answer_now(context, fail(ErrorCode::failed_precondition, reasons::kNoWebPage,
                                       "this daemon was started without a page"));
-    response->set_link(links_->make(identity_of(*context), std::chrono::steady_clock::now()));
+    const auto& who = identity_of(*context);
+    // Else a session makes its own successor, and session_h ends nothing.
+    if (who.proof == access::Proof::page_session)
+      return answer_now(context, fail(ErrorCode::permission_denied, reasons::kPageSession,
+                                      "a page session makes no further link: use `driftwise open` "
+                                      "or log in with a token"));
+    response->set_link(links_->make(who, std::chrono::steady_clock::now()));
     return answer_now(context, Result<void>{});
   }
 

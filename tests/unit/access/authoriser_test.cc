@@ -88,6 +88,19 @@ TEST_F(AuthoriserTest, ReadsTheRoleOfACertificate) {
   EXPECT_EQ(identify({"driftwise:role/root"}).error().reason, "NO_ROLE");
 }
 
+TEST_F(AuthoriserTest, KnowsWhetherAnIdentityIsInForceStill) {
+  const auto by_token = *authoriser->identify({.from = kFrom, .bearer = token(Role::engineer)});
+  auto session = by_token;
+  session.proof = Proof::page_session;
+  EXPECT_TRUE(authoriser->in_force(by_token));
+  EXPECT_TRUE(authoriser->in_force(session));
+  ASSERT_TRUE(book->revoke(by_token.credential));
+  EXPECT_FALSE(authoriser->in_force(by_token));
+  EXPECT_FALSE(authoriser->in_force(session)) << "what was begun with it ends with it";
+  EXPECT_TRUE(authoriser->in_force(*authoriser->identify({.bearer = kLocal})));
+  EXPECT_TRUE(authoriser->in_force(*authoriser->identify({.door = Door::unix_socket})));
+}
+
 TEST_F(AuthoriserTest, KnowsWhichTokensAndShownCertificatesEndSoon) {
   constexpr std::int64_t kDay = 86'400, kNow = 1'800'000'000;  // 2027-01-15
   const auto a =

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <filesystem>
 #include <thread>
 
@@ -92,6 +93,26 @@ TEST_F(RevokedCertificatesTest, AreRefusedByTheAuthoriserInASentence) {
   EXPECT_THAT(refused.error().message, HasSubstr("'ada' was revoked"));
   evidence.certificate_pem = text("eve");
   EXPECT_TRUE(authoriser.identify(evidence));
+}
+
+TEST_F(RevokedCertificatesTest, EndWhatWasBegunWithThem) {
+  const Evidence evidence{.door = Door::tls,
+                          .from = "ipv4:10.0.0.2:1",
+                          .certificate_name = "ada",
+                          .certificate_uris = {"driftwise:role/engineer"},
+                          .certificate_pem = text("ada")};
+  Identity session = *Authoriser({}).identify(evidence);
+  session.proof = Proof::page_session;
+  const auto before = open();
+  ASSERT_TRUE(before) << before.error().message;
+  EXPECT_TRUE(Authoriser({.revoked = before->get()}).in_force(session));
+  openssl({"ca", "-batch", "-config", "authority.cnf", "-revoke", "ada.pem"});
+  write_list("authority");
+  const auto after = open();
+  ASSERT_TRUE(after) << after.error().message;
+  EXPECT_FALSE(Authoriser({.revoked = after->get()}).in_force(session));
+  const auto in_ten_days = [] { return std::time(nullptr) + 10 * 86'400; };
+  EXPECT_FALSE(Authoriser({.utc_s = in_ten_days}).in_force(session)) << "it was made for nine days";
 }
 
 TEST_F(RevokedCertificatesTest, AreTakenOfTheirAuthorityAlone) {

@@ -1,6 +1,7 @@
 // The log-in of the page over TLS and over plain loopback, as a browser and as a script meet it.
 
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "driftwise/v1/cell_service.pb.h"
 #include "tests/unit/web/web_fixture.h"
@@ -99,6 +100,36 @@ TEST_F(Entering, LogsInOnceByALink) {
   const auto again = log_in(client, "link", link);
   EXPECT_EQ(again.status, 401);
   EXPECT_THAT(again.body, HasSubstr("used before"));
+}
+
+TEST_F(Entering, RefusesALinkWhoseTokenWasRevokedMeanwhile) {
+  HttpClient client(address());
+  const auto text = token("eve", access::Role::engineer);
+  const auto who = access->authoriser().identify({.from = "ipv4:10.0.0.2:1", .bearer = text});
+  ASSERT_TRUE(who);
+  const auto now = std::chrono::steady_clock::now();
+  const auto in_time = access->links().make(*who, now), late = access->links().make(*who, now);
+  const auto cookie = cookie_of(log_in(client, "link", in_time));
+  ASSERT_EQ(call(client, kStatus, from_page(cookie)), 0);
+  ASSERT_TRUE(access->tokens().revoke(who->credential));
+  const auto refused = log_in(client, "link", late);
+  EXPECT_EQ(refused.status, 401);
+  EXPECT_THAT(refused.body, HasSubstr("the token of 'eve' was revoked"));
+  EXPECT_TRUE(refused.header("set-cookie").empty());
+  const auto until = now + std::chrono::seconds(20);
+  while (call(client, kStatus, from_page(cookie)) == 0 && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(call(client, kStatus, from_page(cookie)), kUnauthenticated)
+      << "the session of a link ends with the token too";
+}
+
+TEST_F(Entering, MakesNoLinkOutOfASession) {
+  HttpClient client(address());
+  const auto cookie = cookie_of(log_in(client, "token", token("vera", access::Role::viewer)));
+  const auto reply = client.post("/driftwise.v1.AccessService/CreatePageLink",
+                                 kGrpcWeb + from_page(cookie), framed(""));
+  EXPECT_EQ(unframed(reply.body).status, kPermissionDenied);
+  EXPECT_THAT(unframed(reply.body).trailers, HasSubstr("a page session makes no further link"));
 }
 
 TEST_F(Entering, EndsASessionByLogOut) {

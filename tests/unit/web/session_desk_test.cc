@@ -32,8 +32,12 @@ TEST(Sessions, EndByLogOutAndWithTheirToken) {
   EXPECT_TRUE(desk.end(first));
   EXPECT_FALSE(desk.end(first));
   EXPECT_NE(desk.find(second, kNow), nullptr);
-  desk.end_of_credential("k3f9a2c1");
+  auto eve = ada();
+  eve.credential = "m4g0b3d2";
+  const auto other = desk.begin(std::move(eve), kNow);
+  desk.end_unless([](const access::Identity& who) { return who.credential != "k3f9a2c1"; });
   EXPECT_EQ(desk.find(second, kNow), nullptr);
+  EXPECT_NE(desk.find(other, kNow), nullptr);
 }
 
 TEST(Sessions, AreBounded) {
