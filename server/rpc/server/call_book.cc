@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/rpc/server/guard.h"
 #include "server/rpc/shared/call_context.h"
 
 namespace driftwise::rpc {
@@ -139,8 +140,7 @@ class EnteringFactory final : public gx::ServerInterceptorFactoryInterface {
  public:
   explicit EnteringFactory(std::shared_ptr<CallBook> book) : book_(std::move(book)) {}
   gx::Interceptor* CreateServerInterceptor(gx::ServerRpcInfo* info) override {
-    constexpr std::string_view kTarget = "/driftwise.v1.TargetService/ComputeTarget";
-    if (info->method() != nullptr && info->method() == kTarget) return nullptr;
+    if (info->method() != nullptr && info->method() == kComputeTarget) return nullptr;
     auto* context = info->server_context();
     // Whoever may not call takes nobody's place.
     if (const auto* call = dynamic_cast<const CallContext*>(context); call && call->refused())

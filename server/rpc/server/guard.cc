@@ -1,5 +1,6 @@
 #include "server/rpc/server/guard.h"
 
+#include <google/protobuf/message.h>
 #include <grpcpp/impl/rpc_service_method.h>
 
 #include <list>
@@ -13,6 +14,7 @@
 #include "server/rpc/shared/call_context.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/error_mapping.h"
+#include "server/rpc/shared/request_texts.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -73,18 +75,19 @@ Result<access::Identity> identity_behind(const grpc::ServerContextBase& context,
   return authoriser.identify(evidence_of(context));
 }
 
-// Lives as long as the call, and has its end say why.
+// Lives as long as the call, and has the end of a refused one say why.
 class Refusing final : public gx::Interceptor {
  public:
-  explicit Refusing(grpc::Status why) : why_(std::move(why)) {}
+  explicit Refusing(const CallContext& context) : context_(context) {}
   void Intercept(gx::InterceptorBatchMethods* methods) override {
-    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::PRE_SEND_STATUS))
-      methods->ModifySendStatus(why_);
+    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::PRE_SEND_STATUS) &&
+        context_.refused())
+      methods->ModifySendStatus(*context_.refusal());
     methods->Proceed();
   }
 
  private:
-  grpc::Status why_;
+  const CallContext& context_;  // gRPC keeps it until the call's interceptors are gone
 };
 
 class JudgingFactory final : public gx::ServerInterceptorFactoryInterface {
@@ -104,13 +107,13 @@ class JudgingFactory final : public gx::ServerInterceptorFactoryInterface {
     if (const auto may = authoriser_.authorise(*who, {name, needed->second}); !may)
       return refuse(*context, may.error());
     context->allow(std::move(*who));
-    return nullptr;
+    return info->method() == kComputeTarget ? nullptr : new Refusing(*context);
   }
 
  private:
   static gx::Interceptor* refuse(CallContext& context, const Error& why) {
-    context.refuse();
-    return new Refusing(to_status(why));
+    context.refuse(to_status(why));
+    return new Refusing(context);
   }
 
   access::Authoriser& authoriser_;
@@ -147,11 +150,18 @@ class JudgedContexts final : public grpc::ContextAllocator {
 // A generated handler runs no method of a call whose message was not good; a refused call is one.
 class GuardedHandler final : public grpc::internal::MethodHandler {
  public:
-  explicit GuardedHandler(grpc::internal::MethodHandler& inner) : inner_(inner) {}
+  GuardedHandler(grpc::internal::MethodHandler& inner, bool checks_texts)
+      : inner_(inner), checks_texts_(checks_texts) {}
 
   void RunHandler(const HandlerParameter& parameter) override {
-    const auto* context = dynamic_cast<const CallContext*>(parameter.server_context);
-    if (context != nullptr && context->who()) return inner_.RunHandler(parameter);
+    auto* context = dynamic_cast<CallContext*>(parameter.server_context);
+    if (context != nullptr && checks_texts_ && parameter.request != nullptr) {
+      // Generated messages have Message as their one base: the pointer is the same.
+      const auto* request = static_cast<const google::protobuf::Message*>(parameter.request);
+      if (const auto good = check_texts(*request); !good) context->refuse(to_status(good.error()));
+    }
+    if (context != nullptr && context->who() && !context->refused())
+      return inner_.RunHandler(parameter);
     inner_.RunHandler({parameter.call, parameter.server_context, parameter.request,
                        grpc::Status(grpc::StatusCode::PERMISSION_DENIED, ""),
                        parameter.internal_data, parameter.call_requester});
@@ -163,6 +173,7 @@ class GuardedHandler final : public grpc::internal::MethodHandler {
 
  private:
   grpc::internal::MethodHandler& inner_;
+  bool checks_texts_;
 };
 
 class GuardedService final : public grpc::Service {
@@ -175,7 +186,8 @@ class GuardedService final : public grpc::Service {
           method.server_streaming() ? RpcMethod::SERVER_STREAMING : RpcMethod::NORMAL_RPC;
       names_.push_back(path_of(method));
       AddMethod(new grpc::internal::RpcServiceMethod(names_.back().c_str(), type, nullptr));
-      MarkMethodCallback(i, new GuardedHandler(*(inner.*&GuardedService::GetHandler)(i)));
+      MarkMethodCallback(i, new GuardedHandler(*(inner.*&GuardedService::GetHandler)(i),
+                                               names_.back() != kComputeTarget));
     }
   }
 

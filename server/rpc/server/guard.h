@@ -5,8 +5,8 @@
 // An interceptor judges a call when it begins, before its message is looked at, and sends the
 // refusal. A service of ours is registered behind a service of the same methods (guarded()) which
 // runs the method of a call that was allowed and of no other: a call that nobody has judged is
-// refused too. Health and reflection answer everybody who reaches the door: they tell what the
-// sources tell.
+// refused too. Texts that are too long (shared/request_texts.h) are refused there as well. Health
+// and reflection answer everybody who reaches the door: they tell what the sources tell.
 //
 // Any thread. A call with a token that has not been seen since the start computes a scrypt
 // (access/token_book.h).
@@ -25,6 +25,10 @@
 #include "server/access/role.h"
 
 namespace driftwise::rpc {
+
+// A call without interceptors once it is allowed, and without a look at its texts: its time counts
+// in microseconds, and of its request nothing but numbers is stored.
+inline constexpr std::string_view kComputeTarget = "/driftwise.v1.TargetService/ComputeTarget";
 
 // "/driftwise.v1.CellService/Home" -> the role it needs.
 using RoleTable = std::map<std::string, access::Role, std::less<>>;

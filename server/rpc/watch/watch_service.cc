@@ -91,8 +91,9 @@ class WatchService final : public v1::WatchService::CallbackService {
       const auto& duration = request->shelve_duration();
       const double for_s =
           static_cast<double>(duration.seconds()) + 1e-9 * static_cast<double>(duration.nanos());
+      DRIFTWISE_CO_TRY(auto reason, line_from(request->reason(), kMostNoteBytes, "reason"));
       auto asking = alarms_.shelve(caller_of(*context), AlarmId{request->alarm_id()}, for_s,
-                                   request->reason());
+                                   std::move(reason));
       DRIFTWISE_CO_TRY(const auto alarm, co_await std::move(asking));
       *response->mutable_alarm() = alarm_from(alarm);
       co_return Result<void>{};
@@ -127,7 +128,8 @@ class WatchService final : public v1::WatchService::CallbackService {
   Reactor* TestReceiver(Context* context, const v1::TestReceiverRequest* request,
                         v1::TestReceiverResponse* response) override {
     return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      auto asking = notifications_.test(caller_of(*context), request->name());
+      DRIFTWISE_CO_TRY(auto name, line_from(request->name(), kMostNameBytes, "name"));
+      auto asking = notifications_.test(caller_of(*context), std::move(name));
       DRIFTWISE_CO_TRY(const auto said, co_await std::move(asking));
       response->set_answer(utf8_from(said));
       co_return Result<void>{};

@@ -248,6 +248,27 @@ TEST_F(WatchServiceTest, AlarmsAreListedAndAcknowledgedOneByOne) {
               FailsWith(ErrorCode::not_found, "NO_SUCH_ALARM"));
 }
 
+TEST_F(WatchServiceTest, AShelfKeepsItsReasonAsOneLineOfBoundedLength) {
+  const AlarmId stale = cell.on_store([](Store& store) {
+    AlarmRecord alarm;
+    alarm.kind = "channel.stale";
+    alarm.subject = "t07_degC";
+    alarm.message = "old";
+    alarm.since = {6};
+    return store.alarms().raise(alarm)->id;
+  });
+  v1::ShelveAlarmRequest request;
+  request.set_alarm_id(stale.value);
+  request.mutable_shelve_duration()->set_seconds(60);
+  request.set_reason(std::string(33 << 19, 'x'));
+  EXPECT_THAT(ask(&WatchStub::ShelveAlarm, request),
+              FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
+  request.set_reason("the probe is out\nfor cleaning\x1b[2J");
+  const auto shelved = ask(&WatchStub::ShelveAlarm, request);
+  ASSERT_TRUE(shelved) << shelved.error().message;
+  EXPECT_EQ(shelved->alarm().shelve_reason(), "the probe is out for cleaning?[2J");
+}
+
 TEST_F(WatchServiceTest, ASeriesKeepsWhatFloatsWouldLose) {
   cell.on_store([](Store& store) {
     std::vector<Reading> readings;
