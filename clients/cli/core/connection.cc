@@ -109,6 +109,15 @@ std::string not_kept(const std::string& why) {
          "after_restart): let none start before somebody has looked at the machine";
 }
 
+constexpr int kMostAnswerBytes = 64 * 1024 * 1024;  // as the daemon's limit of what it sends
+
+// gRPC's sentence on a message that is too large is of what the daemon sends or of what this
+// program receives, and not of the request: "Sent message larger than max (67108900 vs. 67108864)".
+bool is_of_an_answer(const std::string& sentence) {
+  return sentence.find("Sent message") != std::string::npos ||
+         sentence.find("vs. " + std::to_string(kMostAnswerBytes)) != std::string::npos;
+}
+
 // Leaves the stop in the cell's folder for the next start of the daemon. Result: sentences on what
 // a start of the daemon will do, kept or not.
 std::string keep_wish(const std::string& cell_folder, const std::string& operator_name) {
@@ -156,7 +165,7 @@ Connection::Connection(const Way& way, std::string operator_name, double timeout
       timeout_s_(timeout_s),
       interrupt_(interrupt) {
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(64 * 1024 * 1024);
+  arguments.SetMaxReceiveMessageSize(kMostAnswerBytes);
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY,
                    0);  // the daemon is on the same network, or at the end of a tunnel
   channel_ = grpc::CreateCustomChannel(address_, credentials_of(way), arguments);
@@ -221,8 +230,15 @@ void Connection::check(const grpc::Status& status) const {
                    (halting_ ? tls_words
                              : ": look at `driftwise status`, or allow more with --timeout S")};
   // gRPC's own words name no limit that a person knows.
-  if (nobody_said_so && status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
-      status.error_message().find("larger than max") != std::string::npos)
+  const bool too_large = nobody_said_so &&
+                         status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
+                         status.error_message().find("larger than max") != std::string::npos;
+  if (too_large && is_of_an_answer(status.error_message()))
+    failure = {ExitCode::refused, "resource_exhausted", "ANSWER_TOO_LARGE",
+               "the answer is larger than 64 MiB, which is the most that is sent: ask for less, "
+               "with --limit, a shorter time or fewer channels where the command has them (" +
+                   status.error_message() + ")"};
+  else if (too_large)
     failure = {ExitCode::bad_input, "resource_exhausted", "TOO_LARGE",
                "the file is larger than the daemon takes (a dataset of 32 MiB, a trajectory of 8 "
                "MiB): nothing was stored. Give it in parts, or work on the file: driftwise fit, "

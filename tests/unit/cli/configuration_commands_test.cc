@@ -41,6 +41,17 @@ TEST_F(ConfigurationCommands, ShowSaysWhatAsksAndWhatIsRecordedOnly) {
   EXPECT_EQ(json({"configuration", "show"})["start"]["changes"][0]["asks"], true);
 }
 
+TEST_F(ConfigurationCommands, AnAnswerThatIsTooLargeIsNotTakenForTheRequest) {
+  cell.on_executor([this] {
+    configurations.view.text.assign((64 << 20) + 1, 'x');
+    return true;
+  });
+  const auto said = run({"configuration", "show", "--text"});
+  EXPECT_EQ(said.exit, 5);
+  EXPECT_THAT(said.err, HasSubstr("the answer is larger than 64 MiB"));
+  EXPECT_THAT(said.err, testing::Not(HasSubstr("nothing was stored")));
+}
+
 TEST_F(ConfigurationCommands, AcceptShowsTheDifferenceAndAsks) {
   EXPECT_EQ(run({"configuration", "accept"}).exit, 2);
   const auto declined = run({"configuration", "accept"}, true, "n\n");
