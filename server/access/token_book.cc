@@ -94,6 +94,10 @@ Result<FreshToken> TokenBook::create(const std::string& name, Role role, const s
   if (expires_utc_s && *expires_utc_s <= now_utc_s)
     return fail(ErrorCode::invalid_argument, reasons::kBadTime,
                 "expire_time: it is in the past; expected a time to come");
+  if (expires_utc_s && *expires_utc_s - now_utc_s > kLongest_s)
+    return fail(ErrorCode::invalid_argument, reasons::kBadTime,
+                "expire_time: it is more than a hundred years ahead; give an earlier one, or none "
+                "for a token that does not end");
   const TokenParts parts = new_token();
   Kept fresh{
       {parts.id, name, role, now_utc_s, expires_utc_s, made_by}, random_bytes(16), {}, cost_};

@@ -38,13 +38,14 @@ struct FreshToken {
 class TokenBook {
  public:
   static constexpr std::size_t kMostTokens = 1000;
+  static constexpr std::int64_t kLongest_s = 36'525LL * 86'400;
 
   // A file that is not there is an empty book. Errors: failed_precondition TOKENS_READABLE (others
   // may read it), data_loss BAD_TOKENS (path and line), unavailable CANNOT_READ.
   static Result<std::unique_ptr<TokenBook>> open(const std::string& path, ScryptCost cost = {});
 
   // On disk before it answers. now_utc_s: seconds of UTC. Errors: invalid_argument BAD_NAME,
-  // BAD_TIME; resource_exhausted TOO_MANY; unavailable CANNOT_WRITE.
+  // BAD_TIME (in the past, or more than a hundred years ahead); resource_exhausted TOO_MANY; unavailable CANNOT_WRITE.
   Result<FreshToken> create(const std::string& name, Role role, const std::string& made_by,
                             std::int64_t now_utc_s, std::optional<std::int64_t> expires_utc_s);
   std::vector<TokenRecord> list() const;  // in order of their making

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <filesystem>
+#include <limits>
 
 #include "tests/support/process.h"
 
@@ -110,6 +111,18 @@ TEST_F(TokenBookTest, TakesNamesThatPeopleCanRead) {
     EXPECT_EQ(book->create(bad, Role::viewer, "ada", kNow, {}).error().reason, "BAD_NAME");
   EXPECT_EQ(book->create("a", Role::viewer, "ada", kNow, kNow).error().reason, "BAD_TIME");
   EXPECT_TRUE(book->create("Zoë's press", Role::viewer, "ada", kNow, {}));
+}
+
+TEST_F(TokenBookTest, TakesAnEndWithinAHundredYears) {
+  const auto book = open();
+  const std::int64_t last = kNow + TokenBook::kLongest_s;
+  EXPECT_TRUE(book->create("a", Role::viewer, "ada", kNow, last));
+  for (const std::int64_t late : {last + 1, std::numeric_limits<std::int64_t>::max()}) {
+    const auto refused = book->create("a", Role::viewer, "ada", kNow, late);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().reason, "BAD_TIME");
+    EXPECT_NE(refused.error().message.find("hundred years"), std::string::npos);
+  }
 }
 
 TEST_F(TokenBookTest, MakesNoTokenThatIsNotOnDisk) {

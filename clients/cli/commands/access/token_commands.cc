@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 
@@ -60,11 +61,11 @@ ExitCode create_token(const Session& session, const TokenArguments& a) {
   request.set_name(a.name);
   request.set_role(role_from_text(a.role));
   if (a.days > 0) {
-    const auto end =
-        std::chrono::system_clock::now() + std::chrono::duration_cast<std::chrono::seconds>(
-                                               std::chrono::duration<double>(a.days * 86'400));
-    request.mutable_expire_time()->set_seconds(
-        std::chrono::duration_cast<std::chrono::seconds>(end.time_since_epoch()).count());
+    // In seconds: a time point of nanoseconds ends in the year 2262.
+    const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+        std::chrono::system_clock::now().time_since_epoch());
+    request.mutable_expire_time()->set_seconds(now.count() +
+                                               static_cast<std::int64_t>(a.days * 86'400));
   }
   const auto made = connection.ask(&AccessStub::CreateToken, request);
   if (!a.output.empty()) write_token(a.output, made.text());
@@ -127,7 +128,8 @@ void add_token_commands(CLI::App& app, Session& session) {
   creating.add_option("--role", a->role, "viewer, controller, operator, engineer or admin")
       ->required()
       ->check(CLI::IsMember(role_names()));
-  creating.add_option("--days", a->days, "when it ends; else never")->check(positive_number());
+  creating.add_option("--days", a->days, "when it ends; else never")
+      ->check(number_between(0.001, 36'500));
   creating.add_option("-o,--output", a->output, "file for it, mode 0600; else standard output");
   add_command(token, session, "list", "Every token, without its text",
               [&session] { return list_tokens(session); });
