@@ -12,11 +12,11 @@
 namespace driftwise::application {
 namespace {
 
-// Scheme, host and port: the path of a webhook is often its secret.
+// Scheme, host and port: the path or query of a webhook is often its secret.
 std::string way_of(const ReceiverDescription& receiver) {
   const auto host = receiver.webhook.find("://");
   if (host != std::string::npos)
-    return "webhook " + receiver.webhook.substr(0, receiver.webhook.find('/', host + 3));
+    return "webhook " + receiver.webhook.substr(0, receiver.webhook.find_first_of("/?#", host + 3));
   if (!receiver.command.empty()) return "command " + receiver.command.front();
   return "mail by " + receiver.smtp;
 }

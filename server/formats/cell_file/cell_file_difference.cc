@@ -7,6 +7,7 @@
 
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/cell_file/cell_parts.h"
+#include "server/formats/cell_file/without_secrets.h"
 
 namespace driftwise::formats {
 namespace {
@@ -26,7 +27,7 @@ std::string shown_part(const CellPart& part) {
   std::string text;
   for (const auto& [key, value] : part.values) {
     if (value.empty() || value == "0" || key == "port") continue;
-    text += (text.empty() ? "" : ", ") + key + " " + value;
+    text += (text.empty() ? "" : ", ") + key + " " + value_without_secrets(key, value);
   }
   return text.empty() ? "given" : text;
 }
@@ -114,7 +115,8 @@ std::vector<ConfigurationChange> cell_file_difference(std::string_view before_te
       const auto a = value_in(from, key), b = value_in(to, key);
       if (a == b) continue;
       const bool asks = !is_recorded_only(place, key) || (is_exchanged && key == "port");
-      changes.push_back({place, key, a, b, asks, asks ? affects : std::vector<std::string>()});
+      changes.push_back({place, key, value_without_secrets(key, a), value_without_secrets(key, b),
+                         asks, asks ? affects : std::vector<std::string>()});
     }
   }
   std::ranges::stable_sort(changes, std::ranges::greater{}, &ConfigurationChange::asks);
@@ -156,8 +158,8 @@ std::vector<ConfigurationChange> read_changes_json(const std::string& text) {
     ConfigurationChange change;
     change.place = one.value("place", "");
     change.key = one.value("key", "");
-    change.before = one.value("before", "");
-    change.after = one.value("after", "");
+    change.before = value_without_secrets(change.key, one.value("before", ""));
+    change.after = value_without_secrets(change.key, one.value("after", ""));
     change.asks = one.value("asks", true);
     change.affects = one.value("affects", std::vector<std::string>());
     changes.push_back(std::move(change));

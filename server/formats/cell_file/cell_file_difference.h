@@ -11,6 +11,9 @@
 //   is reached, how often it looks and whom it tells; of a device: the port of its address,
 //   timeout_s, period_s; of [kinematics]: hold.
 //
+// Secrets are compared and not shown (without_secrets.h): a changed password reads "[removed]" on
+// both sides.
+//
 // A key that this list does not know asks: what a later version adds is not passed over. Two
 // devices that have exchanged their addresses are two instruments exchanged, and ask.
 
@@ -41,7 +44,8 @@ bool any_asks(const std::vector<ConfigurationChange>& changes);
 // "probe t07_degC: input 107 -> 108"
 std::string sentence(const ConfigurationChange& change);
 
-// As the store keeps them; reading answers with none for a text that is no such list.
+// As the store keeps them; reading answers with none for a text that is no such list, and removes
+// the secrets of one that an earlier program stored.
 std::string write_changes_json(const std::vector<ConfigurationChange>& changes);
 std::vector<ConfigurationChange> read_changes_json(const std::string& json);
 

@@ -44,12 +44,30 @@ std::string host_alone(std::string_view url) {
          (end + 1 < url.size() ? "/" + std::string(kRemoved) : std::string(url.substr(end)));
 }
 
+// A key as TOML has it: quoted where it is not bare.
+std::string key_text(std::string_view key) {
+  const bool bare = !key.empty() && std::ranges::all_of(key, [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+  });
+  if (bare) return std::string(key);
+  std::ostringstream out;
+  out << toml::value<std::string>(std::string(key));
+  return out.str();
+}
+
 struct Walk {
   std::ostringstream out;
   std::vector<std::string> secrets;
 
   void note(std::string_view value) {
     if (value.size() >= 4) secrets.emplace_back(value);
+  }
+
+  void quoted(std::string_view text) {
+    if (text.find_first_of("\"\\\n\r\t") == std::string_view::npos)
+      out << '"' << text << '"';
+    else
+      out << toml::value<std::string>(std::string(text));
   }
 
   void note_all(const toml::node& node) {
@@ -64,8 +82,7 @@ struct Walk {
     const auto* text = node.as_string();
     if (is_file_key(key) && text != nullptr) {
       const std::string& path = text->get();
-      out << '"' << path.substr(path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1)
-          << '"';
+      quoted(path.substr(path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1));
     } else if (names_a_person(key)) {
       out << '"' << kRemoved << '"';
     } else if (names_a_secret(key)) {
@@ -82,7 +99,7 @@ struct Walk {
         if (const auto at = url.find('@', begin); at != std::string::npos)
           note(std::string_view(url).substr(begin, at - begin));
       }
-      out << '"' << shown << '"';
+      quoted(shown);
     } else if (const auto* list = node.as_array()) {
       out << '[';
       bool first = true;
@@ -96,7 +113,7 @@ struct Walk {
       out << '{';
       bool first = true;
       for (const auto& [name, one] : *table) {
-        out << (first ? " " : ", ") << name.str() << " = ";
+        out << (first ? " " : ", ") << key_text(name.str()) << " = ";
         first = false;
         value(name.str(), one);
       }
@@ -110,13 +127,13 @@ struct Walk {
     for (const auto& [key, node] : table) {
       const bool is_tables = node.is_table() || (node.is_array_of_tables());
       if (is_tables && key.str() != "options") continue;
-      out << key.str() << " = ";
+      out << key_text(key.str()) << " = ";
       value(key.str(), node);
       out << '\n';
     }
     for (const auto& [key, node] : table) {
       const std::string under =
-          place.empty() ? std::string(key.str()) : place + "." + std::string(key.str());
+          place.empty() ? key_text(key.str()) : place + "." + key_text(key.str());
       if (key.str() == "options") continue;
       if (const auto* inner = node.as_table()) {
         out << "\n[" << under << "]\n";
@@ -188,7 +205,50 @@ void remove_users_of_addresses(std::string& text) {
   }
 }
 
+// Paths and queries of every address in a text.
+void cut_addresses(std::string& text) {
+  for (std::size_t at = text.find("://"); at != std::string::npos; at = text.find("://", at + 3)) {
+    std::size_t end = at + 3;
+    if (end < text.size() && text[end] == '[') end = std::min(text.find(']', end), text.size());
+    if (end < text.size() && text[end] == ']') ++end;
+    const std::size_t host_end = std::min(text.find_first_of("/?#", end), text.size());
+    while (end < text.size() && !ends_value(text[end])) ++end;
+    if (host_end + 1 >= end || text.compare(host_end + 1, kRemoved.size(), kRemoved) == 0) continue;
+    text.replace(host_end, end - host_end, "/" + std::string(kRemoved));
+  }
+}
+
+// A key of the text names a secret, and its value is still there. Keys are the first words of
+// "name duty, webhook https://..." and of "{token = a, units = K}", and those after a comma.
+bool mentions_a_secret(std::string_view text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(" ,{}", at), text.size());
+    const std::string_view key = text.substr(at, end - at), after = text.substr(end);
+    if (!is_file_key(key) && names_a_secret(key) && !after.starts_with(" " + std::string(kRemoved)))
+      return true;
+    const std::size_t next = text.find_first_of(",{", at);
+    if (next == std::string_view::npos) break;
+    at = std::min(text.find_first_not_of(" ,{", next), text.size());
+  }
+  return false;
+}
+
 }  // namespace
+
+std::string value_without_secrets(std::string_view key, std::string value) {
+  if (value.empty()) return value;
+  const auto dot = key.rfind('.');
+  const std::string_view name = dot == std::string_view::npos ? key : key.substr(dot + 1);
+  if (!name.empty() && !is_file_key(name) && names_a_secret(name)) return std::string(kRemoved);
+  const bool lists_keys = name.empty() || value.find('{') != std::string::npos;
+  if (lists_keys && mentions_a_secret(value)) return std::string(kRemoved);
+  const bool is_one_address =
+      !name.empty() && is_address(value) && value.find_first_of(" [{") == std::string::npos;
+  if (is_one_address) return host_alone(value);
+  value = without_secrets(std::move(value), {});
+  cut_addresses(value);
+  return value;
+}
 
 std::string cell_file_without_secrets(std::string_view text) { return walked(text).out.str(); }
 

@@ -16,6 +16,12 @@ inline constexpr std::string_view kRemoved = "[removed]";
 // gives one sentence.
 std::string cell_file_without_secrets(std::string_view text);
 
+// One value of a cell file as a line of text, for a difference that people read: secrets are
+// removed as above, paths and people stay. key: "command", "options.password"; empty: the value
+// lists several, "name duty, webhook https://...", and is removed whole where one of them names a
+// secret. Removing twice changes nothing.
+std::string value_without_secrets(std::string_view key, std::string value);
+
 // Values that are removed from the same cell file: what must appear nowhere else either.
 std::vector<std::string> secrets_of_cell_file(std::string_view text);
 

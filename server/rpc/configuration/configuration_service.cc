@@ -3,6 +3,7 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
+#include "server/formats/cell_file/without_secrets.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/request_checks.h"
@@ -34,14 +35,16 @@ class ConfigurationService final : public v1::ConfigurationService::CallbackServ
 
   Reactor* GetConfiguration(Context* context, const v1::GetConfigurationRequest* request,
                             v1::GetConfigurationResponse* response) override {
-    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       for (const auto& good : {check_size(request->hash(), kMostNameBytes, "hash"),
                                check_size(request->compare_hash(), kMostNameBytes, "compare_hash")})
         if (!good) co_return good;
       auto reading = configurations_.get(request->hash(), request->compare_hash());
       DRIFTWISE_CO_TRY(const auto view, co_await std::move(reading));
       response->set_hash(view.hash);
-      response->set_text(view.text);
+      // The support bundle has the same text without secrets, for engineers.
+      const bool whole = access::includes(identity_of(*context).role, access::Role::admin);
+      response->set_text(whole ? view.text : formats::cell_file_without_secrets(view.text));
       response->set_compared_hash(view.compared_hash);
       for (const auto& change : view.changes) *response->add_changes() = change_from(change);
       co_return Result<void>{};

@@ -12,8 +12,10 @@
 #include "driftwise/v1/access.pb.h"
 #include "driftwise/v1/access_service.grpc.pb.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/configuration_service.grpc.pb.h"
 #include "driftwise/v1/target_service.grpc.pb.h"
 #include "server/access/access.h"
+#include "server/formats/cell_file/cell_file_difference.h"
 #include "server/rpc/server/guard.h"
 #include "tests/support/process.h"
 #include "tests/unit/rpc/rpc_fixture.h"
@@ -220,6 +222,39 @@ TEST_F(Roles, OfTheLocalSocketAndItsTokenFileAreAdmin) {
   const auto by_token = ask(channel, token);
   EXPECT_EQ(by_token.role(), v1::ROLE_ADMIN);
   EXPECT_EQ(by_token.credential(), "local");
+}
+
+TEST_F(Roles, BelowAdminReadTheCellFileWithoutItsSecrets) {
+  const std::string text =
+      "# hush1\n[[notify]]\nname = \"duty\"\nwebhook = \"https://alerts.example/hush2\"\n";
+  cell.on_store([&](Store& store) {
+    ConfigurationStart start;
+    start.hash = "aaaa";
+    start.changes_json = formats::write_changes_json(
+        {{"notify duty", "webhook", "", "https://alerts.example/hush2", false, {}}});
+    EXPECT_TRUE(store.configurations().begin(start, text));
+  });
+  for (const auto role : access::kRoles) {
+    v1::ConfigurationService::Stub stub(channel);
+    grpc::ClientContext reading, listing;
+    for (auto* context : {&reading, &listing})
+      context->AddMetadata("authorization", "Bearer " + tokens[role]);
+    v1::GetConfigurationRequest request;
+    request.set_hash("aaaa");
+    request.set_compare_hash("aaaa");
+    v1::GetConfigurationResponse read;
+    const auto status = stub.GetConfiguration(&reading, request, &read);
+    ASSERT_TRUE(status.ok()) << status.error_message();
+    if (role == access::Role::admin)
+      EXPECT_EQ(read.text(), text);
+    else
+      EXPECT_THAT(read.text(), testing::AllOf(HasSubstr("https://alerts.example/[removed]"),
+                                              testing::Not(HasSubstr("hush"))));
+    v1::ListConfigurationsResponse list;
+    ASSERT_TRUE(stub.ListConfigurations(&listing, {}, &list).ok());
+    ASSERT_EQ(list.starts(0).changes_size(), 1);
+    EXPECT_EQ(list.starts(0).changes(0).after(), "https://alerts.example/[removed]");
+  }
 }
 
 TEST_F(Roles, EndWithTheTokenForCallsThatBeginLater) {

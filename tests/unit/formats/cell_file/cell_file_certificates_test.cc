@@ -87,6 +87,40 @@ command = ["/bin/send", "hush4"]
   EXPECT_THAT(shown, HasSubstr("token_file = \"hook.token\""));
 }
 
+TEST(CellFileWithoutSecrets, IsStillTomlWhereAKeyOrAPathNeedsQuotes) {
+  const auto shown =
+      cell_file_without_secrets("\"a b\" = 1\n[web]\nroot_file = 'x/say \"hi\"'\n" +
+                                std::string("[\"c.d\"]\n\"e f\" = { \"g h\" = 2 }\n"));
+  EXPECT_EQ(cell_file_without_secrets(shown), shown) << "read again";
+  EXPECT_THAT(shown, HasSubstr("say"));
+  EXPECT_THAT(shown, HasSubstr("g h"));
+}
+
+TEST(ValueWithoutSecrets, RemovesByTheKeyAndByTheFormOfTheValue) {
+  const auto removed = [](std::string_view key, const std::string& value) {
+    const std::string once = value_without_secrets(key, value);
+    EXPECT_EQ(value_without_secrets(key, once), once) << "twice";
+    return once;
+  };
+  EXPECT_EQ(removed("options.password", "hush"), "[removed]");
+  EXPECT_EQ(removed("command", "[/bin/send, hush]"), "[removed]");
+  EXPECT_EQ(removed("headers", "{token = hush}"), "[removed]");
+  EXPECT_EQ(removed("webhook", "https://joe:hush@example.org:1/hush"),
+            "https://example.org:1/[removed]");
+  EXPECT_EQ(removed("urls", "[http://[::1]:80/hush, http://b?hush]"),
+            "[http://[::1]:80/[removed], http://b/[removed]]");
+  EXPECT_EQ(removed("", "name chat, command [/bin/send, hush]"), "[removed]");
+  EXPECT_EQ(removed("", "name duty, webhook https://example.org/hush"),
+            "name duty, webhook https://example.org/[removed]");
+  for (const auto& [key, value] : {std::pair{"token_file", "/etc/hook.token"},
+                                   {"input", "107"},
+                                   {"webhook", "https://example.org/"},
+                                   {"to", "ada@example.org"},
+                                   {"", "name duty, token_file hook.token"},
+                                   {"name", ""}})
+    EXPECT_EQ(removed(key, value), value);
+}
+
 TEST(WithoutSecrets, RemovesWhatIsKnownAndWhatShowsItselfByItsForm) {
   const auto shown = without_secrets(
       "known hushhush; dwt_0123456789abcdef; Authorization: Bearer abcd1234; "

@@ -113,6 +113,35 @@ std::vector<std::string> sentences_of(const std::vector<ConfigurationChange>& al
   return out;
 }
 
+TEST(CellFileDifference, ShowsNoSecretOfEitherFile) {
+  const std::string chat = "[[notify]]\nname = \"chat\"\ncommand = [\"/bin/send\", \"hush1\"]\n";
+  const std::string duty = "[[notify]]\nname = \"duty\"\nwebhook = \"https://a.example/hush2\"\n";
+  const std::string night =
+      "[[notify]]\nname = \"night\"\nwebhook = \"https://b.example/hush3\"\n"
+      "token_file = \"hook.token\"\n";
+  const auto changes = changes_to(kDifferenceCell + text_with(chat, "hush1", "hush4") +
+                                      text_with(duty, "hush2", "hush5") + night,
+                                  kDifferenceCell + chat + duty);
+  const auto said = sentences_of(changes);
+  for (const auto& one : said) EXPECT_THAT(one, testing::Not(HasSubstr("hush")));
+  EXPECT_THAT(said, testing::IsSupersetOf(
+                        {std::string("notify chat: command [removed] -> [removed]"),
+                         std::string("notify duty: webhook https://a.example/[removed] -> "
+                                     "https://a.example/[removed]")}));
+  EXPECT_THAT(said, testing::Contains(HasSubstr("notify night: new: ")));
+  EXPECT_EQ(read_changes_json(write_changes_json(changes)), changes) << "nothing to remove twice";
+}
+
+TEST(CellFileDifference, RemovesTheSecretsThatAnEarlierProgramStored) {
+  const auto read = read_changes_json(write_changes_json(
+      {{"notify duty", "webhook", "https://a.example/hush", "https://b.example/hush", false, {}},
+       {"notify chat", "", "", "command [/bin/send, hush], name chat", false, {}}}));
+  EXPECT_EQ(sentences_of(read),
+            (std::vector<std::string>{"notify duty: webhook https://a.example/[removed] -> "
+                                      "https://b.example/[removed]",
+                                      "notify chat: new: [removed]"}));
+}
+
 TEST(CellFileDifference, IsNoneByMeaning) {
   EXPECT_THAT(changes_to("# a comment\n" + kDifferenceCell), IsEmpty());
   EXPECT_THAT(changes_to(text_with(kDifferenceCell, "max_spread_nm = 5", "max_spread_nm = 5.0")),
