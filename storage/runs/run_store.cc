@@ -9,11 +9,27 @@
 #include "storage/rows/run_select.h"
 
 namespace driftwise::storage {
+namespace {
+
+// A stop that was stored while this run was on its way here found no run to pause.
+void pause_when_stopped(Session& session, RunId run, CellTime created) {
+  Query stop(session.db,
+             "SELECT cause FROM stop WHERE asked_ns >= ? ORDER BY asked_ns DESC LIMIT 1");
+  if (!stop.bind(created.utc_ns).row()) return;
+  RunChange paused;
+  paused.state = RunState::paused;
+  paused.reason = stop.text(0);
+  change_run_row(session, run, paused);
+}
+
+}  // namespace
 
 Result<RunRecord> SqliteRunStore::create_run(const NewRun& run) {
   return session_.write([&] {
     if (auto earlier = run_of_request(session_, run)) return *std::move(earlier);
-    return read_run(session_, insert_run(session_, run, RunState::queued));
+    const RunId id = insert_run(session_, run, RunState::queued);
+    pause_when_stopped(session_, id, run.created.utc);
+    return read_run(session_, id);
   });
 }
 

@@ -22,11 +22,11 @@ std::vector<StopRecord> SqliteStopStore::read_pending() {
 }
 
 // A restart must find the run paused even when the daemon is killed before the run's own coroutine
-// has seen the stop.
+// has seen the stop. The newest run that is queued is about to begin: a restart would begin it.
 void SqliteStopStore::pause_run(const std::string& cause) {
   Query(session_.db,
         "UPDATE run_progress SET state = 'paused', reason = ? WHERE state IN ('running', "
-        "'waiting')")
+        "'waiting') OR (state = 'queued' AND run_id = (SELECT max(run_id) FROM run_progress))")
       .bind(cause)
       .run();
 }

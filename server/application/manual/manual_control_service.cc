@@ -138,9 +138,8 @@ class ManualControlService::ByHand {
 Awaitable<Result<StopAnswer>> ManualControlService::stop_all(Caller caller) {
   const auto* run = engine_.record();
   stop_events_.record(caller, run ? std::optional(run->id) : std::nullopt);
-  const auto why = fmt::format("stopped by {}", caller.name);
-  if (auto* control = engine_.control())
-    control->halt({RunHold::Kind::stop, caller.name, clock_.now().utc, why});
+  const auto why = stop_events_.hold().reason;
+  if (auto* control = engine_.control()) control->halt(stop_events_.hold());
   if (auto* by_hand = right_.by_hand()) by_hand->abort(why);
   on_stop_(why);
   auto pressing = stops_.press(std::move(caller), why);

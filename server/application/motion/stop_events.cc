@@ -12,6 +12,7 @@ void StopEvents::record(const Caller& caller, std::optional<RunId> run) {
   const auto now = clock_.now().utc;
   last_ = now;
   ++presses_;
+  hold_ = {RunHold::Kind::stop, caller.name, now, fmt::format("stopped by {}", caller.name)};
   if (bursting_) {
     ++further_;
     ++in_all_;

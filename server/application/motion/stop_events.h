@@ -25,6 +25,8 @@ class StopEvents {
   void shut_down();  // what was counted is told
   // Of all stops since the start: who waits for something before a motion looks whether it grew.
   std::int64_t presses() const { return presses_; }
+  // What the last stop since the start makes a run stand for.
+  const RunHold& hold() const { return hold_; }
 
  private:
   Awaitable<void> wait_out();
@@ -36,6 +38,7 @@ class StopEvents {
   TaskGroup& tasks_;
   Signal ended_;
   CellTime last_, told_;
+  RunHold hold_;
   std::optional<RunId> run_;
   std::int64_t further_ = 0, in_all_ = 0, presses_ = 0;
   std::set<std::string> names_;  // of those who asked again, the first few

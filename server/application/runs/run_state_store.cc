@@ -11,6 +11,12 @@ constexpr std::chrono::seconds kRetry{5};  // of cell time, for room on the disk
 
 }  // namespace
 
+void pause_by_stop(RunRecord& record, const RunHold& stop) {
+  record.state = RunState::paused;
+  record.reason = stop.reason;
+  record.hold = stop;
+}
+
 Awaitable<Result<void>> store_state(ActiveRun& run) {
   const auto& record = run.record;
   RunChange change;
@@ -21,6 +27,13 @@ Awaitable<Result<void>> store_state(ActiveRun& run) {
   change.max_lag_s = record.max_lag_s;
   change.restarts = record.restarts;
   change.hold = record.hold;
+  // Written after the stop and its pause, "running" would let a restart go on.
+  if (const auto& hold = run.control.hold();
+      hold.kind == RunHold::Kind::stop && !is_over(record.state)) {
+    change.state = RunState::paused;
+    change.reason = hold.reason;
+    change.hold = hold;
+  }
   if (!run.scope.bench.boot_id.empty()) change.boot_id = run.scope.bench.boot_id;
   while (true) {
     auto stored = co_await run.scope.bench.writer.runs().change_run(record.id, change);

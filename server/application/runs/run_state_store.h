@@ -13,9 +13,13 @@ namespace driftwise::application {
 constexpr std::string_view kShutDownReason =
     "the daemon was shut down; it goes on with the next start";
 
+// The run stands for this stop, and has not begun or gone on yet.
+void pause_by_stop(RunRecord& record, const RunHold& stop);
+
 // Writes state, reason, times, lag and restarts of the run's record. A full disk: an ended run
 // waits until it fits; any other state is shown meanwhile (ActiveRun::state_unstored) and written
-// with the next change, or by the pause that it is.
+// with the next change, or by the pause that it is. While a stop is in force, a run that is not
+// over is stored as paused by it, also before the engine has come to the stop.
 Awaitable<Result<void>> store_state(ActiveRun& run);
 
 // Until the run's control changes. A state that is not on record yet is written meanwhile, as soon

@@ -9,6 +9,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/application/ports/run_hold.h"
 #include "server/application/recording/doubts.h"
+#include "server/application/runs/run_state_store.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -216,10 +217,13 @@ Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun req
   fresh.boot_id = boot_id_;
   fresh.metadata = request.metadata;
   fresh.queue_entry = request.queue_entry;
+  const auto stops = stop_events_.presses();
   auto stored = co_await writer_.runs().create_run(fresh);
   if (!stored) co_return stored;
-  const bool is_repeat = stored->created != fresh.created.utc || stored->state != RunState::queued;
-  if (is_repeat) co_return stored;
+  const bool is_new = stored->state == RunState::queued || stored->state == RunState::paused;
+  if (stored->created != fresh.created.utc || !is_new) co_return stored;
+  // A stop pressed meanwhile found no run under way to halt.
+  if (stop_events_.presses() != stops) pause_by_stop(*stored, stop_events_.hold());
   events_.record(caller, "run.created",
                  fmt::format("{} created run {} '{}': {} rows", caller.name, stored->id.value,
                              stored->name, stored->rows),
@@ -232,7 +236,7 @@ Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun req
                        stored->id);
   engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt, true,
                 std::move(request.announce));
-  co_return *engine_.record();
+  co_return present();
 }
 
 Result<RunControl*> RunsService::control_of(RunId run, const char* verb) {
@@ -262,12 +266,12 @@ Awaitable<Result<RunRecord>> RunsService::pause(Caller caller, RunId run) {
 }
 
 Awaitable<Result<RunRecord>> RunsService::resume(Caller caller, RunId id, HoldAnswer answer) {
+  if (auto known = co_await get(id); !known) co_return known;
   DRIFTWISE_CO_RETURN_IF_ERROR(stops_.check());
   if (const auto* record = engine_.record(); record && record->id == id)
     if (auto question = configuration_.question_for(*record); !question.empty())
       co_return fail(ErrorCode::failed_precondition, reasons::kConfigurationChanged,
                      fmt::format("run {} cannot resume: {}", id.value, question));
-  if (auto known = co_await get(id); !known) co_return known;
   DRIFTWISE_CO_TRY(auto control, control_of(id, "resume"));
   if (right_.by_hand())
     co_return fail(ErrorCode::failed_precondition, reasons::kMoving,

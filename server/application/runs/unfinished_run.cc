@@ -28,7 +28,7 @@ Awaitable<Result<void>> RunsService::continue_unfinished() {
   DRIFTWISE_CO_TRY(auto plan, read_run_plan(record.rules_json));
   if (auto ok = co_await follow_for(plan); !ok) co_return ok;
   std::optional<RunBefore> before;
-  if (record.state != RunState::queued) {
+  if (record.started.utc_ns != 0) {  // else it has not begun, paused by a stop or not
     DRIFTWISE_CO_TRY(auto found, co_await what_was_before(record));
     auto meter = co_await reader_.call(recorded_meter, record, PlanLength(trajectory),
                                        planned_visit_s(plan.rules));
@@ -48,6 +48,8 @@ Awaitable<Result<void>> RunsService::continue_unfinished() {
     const UsedConfiguration used{description_.hash, clock_.now().utc};
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.configurations().continue_run(record.id, used));
   }
+  // A stop pressed since the start, while this was read, found no run under way to halt.
+  if (stop_events_.presses() > 0) pause_by_stop(record, stop_events_.hold());
   const bool was_paused = record.state == RunState::paused;  // then resume_run refuses meanwhile
   engine_.begin(std::move(record), std::move(plan), std::move(trajectory), std::move(before),
                 false);

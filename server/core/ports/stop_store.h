@@ -13,8 +13,9 @@ namespace driftwise {
 class StopStore {
  public:
   virtual ~StopStore() = default;
-  // In one transaction: each controller has a pending stop, and a run that is running or waiting
-  // has the state paused with the first stop's cause as its reason. A stop that is pending already
+  // In one transaction: each controller has a pending stop, and a run that is running, waiting or,
+  // as the newest of all, queued has the state paused with the first stop's cause as its reason. A
+  // run that create_run() stores later is paused there. A stop that is pending already
   // keeps its person and its instant; its cause and its number of presses are replaced. Ids are
   // ignored. Result: the pending stops as stored.
   virtual Result<std::vector<StopRecord>> keep(std::span<const StopRecord> stops) = 0;

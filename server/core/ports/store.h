@@ -35,6 +35,8 @@ namespace driftwise {
 class RunStore {
  public:
   virtual ~RunStore() = default;
+  // Queued; paused, with the stop's cause as its reason, when a stop was asked for at
+  // NewRun::created or later.
   virtual Result<RunRecord> create_run(const NewRun& run) = 0;
   virtual Result<void> change_run(RunId run, const RunChange& change) = 0;
   virtual Result<RunRecord> run(RunId run) = 0;

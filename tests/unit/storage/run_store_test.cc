@@ -169,6 +169,32 @@ TEST_F(RunStoreTest, RefusesAChannelWithoutUnit) {
   EXPECT_EQ(store->runs().run(run).value().accepted, 0);
 }
 
+StopRecord stop_at_s(double seconds) {
+  return {{}, "axis", "bob", "peer", "stopped by bob", at_s(seconds), 1, {}};
+}
+
+TEST_F(RunStoreTest, AStopPausesTheNewestRunThatIsQueuedAndNoOlderOne) {
+  const auto never_begun = store->runs().create_run(example_run("B")).value().id;
+  const auto about_to_begin = store->runs().create_run(example_run("C")).value().id;
+  ASSERT_TRUE(store->stops().keep(std::vector{stop_at_s(5)}));
+  EXPECT_EQ(store->runs().run(never_begun)->state, RunState::queued);
+  EXPECT_EQ(store->runs().run(about_to_begin)->state, RunState::paused);
+  EXPECT_EQ(store->runs().run(about_to_begin)->reason, "stopped by bob");
+}
+
+TEST_F(RunStoreTest, ARunIsCreatedPausedWhenAStopCameAfterItWasAskedFor) {
+  ASSERT_TRUE(store->stops().keep(std::vector{stop_at_s(5)}));
+  ASSERT_TRUE(store->stops().confirm(stop_at_s(5), at_s(6).utc));
+  auto before = example_run("asked for before the stop");
+  before.created = at_s(4);
+  const auto paused = store->runs().create_run(before).value();
+  EXPECT_EQ(paused.state, RunState::paused);
+  EXPECT_EQ(paused.reason, "stopped by bob");
+  auto after = example_run("asked for after the stop");
+  after.created = at_s(7);
+  EXPECT_EQ(store->runs().create_run(after)->state, RunState::queued);
+}
+
 TEST_F(RunStoreTest, TheNewestDatumIsTheLastThatWasOpenedHere) {
   EXPECT_EQ(store->points().newest_datum().value()->id, datum);
   const auto by_hand =

@@ -155,6 +155,51 @@ TEST_F(Stopping, OfAMovementByHandHoldsWithoutARun) {
   EXPECT_FALSE(*moved);
 }
 
+TEST_F(Stopping, IsThePauseOnRecordBeforeTheControllerHasConfirmedIt) {
+  begin_and_be_on_the_way();
+  world.axis_away = true;
+  static_cast<void>(cell.await(cell->manual.stop_all(kStopper)));
+  cell.until([&] { return run().state == RunState::waiting; }, 10);
+  EXPECT_THAT(run().reason, HasSubstr("use the emergency switch"));
+  cell.pass(1);
+  const auto on_record = (*kSqlite(folder / "cell.sqlite", true))->runs().run(run().id).value();
+  EXPECT_EQ(on_record.state, RunState::paused) << "what a kill leaves";
+  EXPECT_EQ(on_record.hold.kind, RunHold::Kind::stop);
+  EXPECT_EQ(on_record.hold.who, "bob");
+}
+
+// Bob stops everything, and every controller confirms it, while the database stores the new run.
+class StoppedWhileCreated : public Stopping, public testing::WithParamInterface<const char*> {
+ protected:
+  StoppedWhileCreated() {
+    application::on_crash_point([this](std::string_view name) {
+      if (name != GetParam() || std::exchange(stopped, true)) return;
+      EXPECT_TRUE(cell.await(cell->manual.stop_all(kStopper))->confirmed);
+    });
+  }
+  ~StoppedWhileCreated() override { application::on_crash_point({}); }
+  bool stopped = false;
+};
+
+TEST_P(StoppedWhileCreated, ARunIsPausedUntilAPersonResumesIt) {
+  const auto created = cell.begin_run(kStopRows);
+  ASSERT_TRUE(stopped);
+  EXPECT_EQ(created.state, RunState::paused);
+  EXPECT_EQ(created.reason, "stopped by bob");
+  EXPECT_EQ(created.hold.kind, RunHold::Kind::stop);
+  EXPECT_EQ(created.hold.who, "bob");
+  cell.pass(600);
+  EXPECT_EQ(run().state, RunState::paused);
+  EXPECT_EQ(world.homes, 0);
+  EXPECT_EQ(world.moves, 0);
+  ASSERT_TRUE(cell.resume(kStopper));
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+INSTANTIATE_TEST_SUITE_P(Side, StoppedWhileCreated,
+                         testing::Values("before_run_create_commit", "after_run_create_commit"),
+                         [](const auto& row) { return std::string(row.param); });
+
 TEST_F(Stopping, AnAbortIsRememberedToo) {
   begin_and_be_on_the_way();
   world.axis_away = true;
@@ -237,6 +282,46 @@ TEST(StopAndKill, AConfirmedStopLeavesTheRunPausedThoughTheRunHadNotSeenIt) {
   cell.pass(600);
   EXPECT_EQ(cell.status().run->run.state, RunState::paused);
   EXPECT_EQ(world->moves, moves);
+}
+
+// The daemon in a child, killed when it has just stored the new run; a stop came before or after.
+void kill_when_created(SharedWorld& world, const std::string& database, const char* stopped_at) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    CellInMemory cell(*world, small_cell(database), kSqlite);
+    bool stopped = false;
+    application::on_crash_point([&](std::string_view name) {
+      if (name == stopped_at && !std::exchange(stopped, true))
+        static_cast<void>(cell.await(cell->manual.stop_all(kStopper)));
+      if (name == "after_run_create_commit") ::raise(SIGKILL);
+    });
+    cell.begin_run(kStopRows);
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << stopped_at;
+}
+
+TEST(StopAndKill, AStopWhileTheRunWasCreatedLeavesItPausedThoughItNeverBegan) {
+  for (const char* stopped_at : {"before_run_create_commit", "after_run_create_commit"}) {
+    SCOPED_TRACE(stopped_at);
+    Folder folder;
+    SharedWorld world;
+    const auto database = folder / "cell.sqlite";
+    kill_when_created(world, database, stopped_at);
+    CellInMemory cell(*world, small_cell(database), kSqlite, kWorldBegin + std::chrono::hours(1));
+    cell.until([&] { return cell.status().run.has_value(); }, 10);
+    cell.pass(600);
+    EXPECT_EQ(cell.status().run->run.state, RunState::paused);
+    EXPECT_EQ(cell.status().run->run.reason, "stopped by bob");
+    EXPECT_EQ(world->homes, 0);
+    EXPECT_EQ(world->moves, 0);
+    ASSERT_TRUE(cell.resume(kStopper));
+    const auto done = cell.finish_run();
+    EXPECT_EQ(done.state, RunState::done);
+    EXPECT_EQ(done.restarts, 0) << "it began only now";
+  }
 }
 
 TEST(StopAndKill, AStopThatNoDaemonWasThereToTakeIsTheFirstCommandOfTheNext) {
