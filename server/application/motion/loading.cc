@@ -98,7 +98,10 @@ Awaitable<Result<void>> Loading::by_person(RunScope& scope, double force_n) {
   if (auto ok = co_await std::move(waiting); !ok) co_return ok;
   scope.phase("waiting for a person");
   while (scope.control.wanted_force()) {
-    if (auto ok = scope.control.check(); !ok) co_return ok;
+    if (auto ok = scope.control.check(); !ok) {
+      scope.control.want_no_force();
+      co_return ok;
+    }
     co_await scope.control.changed().wait();
   }
   if (auto ok = scope.control.check(); !ok) co_return ok;

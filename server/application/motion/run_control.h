@@ -59,6 +59,8 @@ class RunControl {
   // The run waits until a person says that this force acts.
   void want_force(double force_n) { wanted_force_n_ = force_n; }
   const std::optional<double>& wanted_force() const { return wanted_force_n_; }
+  // ... or its step ends without that.
+  void want_no_force() { wanted_force_n_.reset(); }
   void confirm_force() {
     wanted_force_n_.reset();
     changed_.raise();

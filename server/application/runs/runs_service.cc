@@ -298,18 +298,23 @@ Awaitable<Result<RunRecord>> RunsService::abort(Caller caller, RunId run, std::s
   co_return record;
 }
 
+Result<void> RunsService::check_confirmation(RunId id, double force_n) {
+  DRIFTWISE_TRY(const auto* control, control_of(id, "confirm a force"));
+  DRIFTWISE_RETURN_IF_ERROR(control->check());
+  const auto& wanted_n = control->wanted_force();
+  if (!wanted_n)
+    return fail(ErrorCode::failed_precondition, reasons::kNoForceWanted,
+                fmt::format("run {} does not wait for a force, it is {}", id.value,
+                            to_string(engine_.record()->state)));
+  if (same_force(*wanted_n, force_n)) return {};
+  return fail(ErrorCode::invalid_argument, reasons::kWrongForce,
+              fmt::format("{:g} N was confirmed, run {} waits for {:g} N: {}", force_n, id.value,
+                          *wanted_n, hang_sentence(*wanted_n, *description_.load)));
+}
+
 Awaitable<Result<RunRecord>> RunsService::confirm_force(Caller caller, RunId id, double force_n) {
   if (auto known = co_await get(id); !known) co_return known;
-  DRIFTWISE_CO_TRY(auto control, control_of(id, "confirm a force"));
-  const auto wanted_n = control->wanted_force();
-  if (!wanted_n)
-    co_return fail(ErrorCode::failed_precondition, reasons::kNoForceWanted,
-                   fmt::format("run {} does not wait for a force, it is {}", id.value,
-                               to_string(engine_.record()->state)));
-  if (!same_force(*wanted_n, force_n))
-    co_return fail(ErrorCode::invalid_argument, reasons::kWrongForce,
-                   fmt::format("{:g} N was confirmed, run {} waits for {:g} N: {}", force_n,
-                               id.value, *wanted_n, hang_sentence(*wanted_n, *description_.load)));
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_confirmation(id, force_n));
   // On disk before the run goes on: a restart must know what hangs there.
   const auto now = clock_.now().utc;
   Reading said{kOperatorDevice, now, now, 0, {{description_.force_channel()->name(), force_n}}};
@@ -318,7 +323,9 @@ Awaitable<Result<RunRecord>> RunsService::confirm_force(Caller caller, RunId id,
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.flush());
   events_.record(caller, "load.confirmed",
                  fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
-  control->confirm_force();
+  // An abort may have ended the run, and its control with it, while this was stored.
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_confirmation(id, force_n));
+  engine_.control()->confirm_force();
   co_return *engine_.record();
 }
 

@@ -58,7 +58,10 @@ class RunsService final : public Runs {
   Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, RunPlan plan,
                                          Trajectory trajectory);
   RunRecord present() const;
+  // Of the run under way. It ends with the run: not to be kept over a wait.
   Result<RunControl*> control_of(RunId run, const char* verb);
+  // Errors: RUN_NOT_UNDER_WAY; those of RunControl::check; NO_FORCE_WANTED, WRONG_FORCE.
+  Result<void> check_confirmation(RunId id, double force_n);
   Awaitable<Result<RunRecord>> steer(Caller caller, RunId run, const char* verb, std::string detail,
                                      std::function<void(RunControl&)> act);
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "server/application/motion/loading.h"
+#include "server/application/plumbing/crash_point.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -147,6 +148,53 @@ TEST(Force, OfAPersonIsKnownAfterARestart) {
   unload(cell, run);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_EQ(forces(cell, run), (std::vector<double>{0, 0, 2.305, 2.305}));
+}
+
+// Ada confirms the force that the run waits for, and bob aborts it meanwhile.
+class ConfirmedBesideAnAbort : public testing::Test {
+ protected:
+  ~ConfirmedBesideAnAbort() override { application::on_crash_point({}); }
+  void wait_for_the_person() {
+    run = cell.begin_run(kTwoForces).id;
+    cell.until([&] { return waits_for_a_person(cell); });
+  }
+  // Once, when the writer comes to this point.
+  void at(const char* crash_point, std::function<void()> act) {
+    application::on_crash_point([this, crash_point, act](std::string_view name) {
+      if (name == crash_point && !std::exchange(acted, true)) act();
+    });
+  }
+
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell{world, small_cell_with_load(folder / "cell.sqlite", false), kSqlite};
+  RunId run;
+  bool acted = false;
+};
+
+TEST_F(ConfirmedBesideAnAbort, IsRefusedWhenTheRunEndsWhileTheWordIsStored) {
+  wait_for_the_person();
+  at("before_readings_commit", [this] {
+    static_cast<void>(cell.await(cell->runs.abort({"bob", "peer"}, run, "enough")));
+    cell.until([this] { return !cell.status().run; });
+  });
+  const auto confirmed = cell.await(cell->runs.confirm_force(cell.ada, run, 0));
+  ASSERT_TRUE(acted);
+  ASSERT_FALSE(confirmed);
+  EXPECT_EQ(confirmed.error().reason, "RUN_NOT_UNDER_WAY");
+  EXPECT_EQ(cell.await(cell.run(run))->state, RunState::aborted);
+}
+
+TEST_F(ConfirmedBesideAnAbort, IsRefusedWhenTheRunIsAlreadyAborted) {
+  wait_for_the_person();
+  std::optional<Result<RunRecord>> confirmed;
+  at("before_run_state_commit",
+     [&] { confirmed = cell.await(cell->runs.confirm_force(cell.ada, run, 0)); });
+  static_cast<void>(cell.await(cell->runs.abort({"bob", "peer"}, run, "enough")));
+  cell.until([&] { return confirmed && !cell.status().run; });
+  ASSERT_FALSE(*confirmed);
+  EXPECT_EQ(confirmed->error().reason, "RUN_ABORTED");
+  EXPECT_EQ(cell.await(cell.run(run))->state, RunState::aborted);
 }
 
 TEST(Force, IsWaitedForNoLongerWhenTheRunIsAborted) {
