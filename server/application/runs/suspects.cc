@@ -70,6 +70,7 @@ void add_line_under_way(ActiveRun& run, const RunBefore& before) {
   std::int64_t line = 0;
   CellTime last_zero;
   for (const auto& zero : before.zeros) last_zero = std::max(last_zero, zero.measured.utc);
+  for (const auto& closure : before.closures) last_zero = std::max(last_zero, closure.measured.utc);
   const auto row_of = [&run](const AttemptRecord& attempt) -> const TrajectoryPoint& {
     return run.trajectory.points[static_cast<std::size_t>(attempt.row)];
   };
@@ -82,7 +83,6 @@ void add_line_under_way(ActiveRun& run, const RunBefore& before) {
     return attempt.row < place.next_row &&
            std::ranges::find(place.requeued, attempt.row, &Requeued::row) == place.requeued.end();
   };
-  for (const auto& closure : before.closures) last_zero = std::max(last_zero, closure.measured.utc);
   for (const auto& attempt : before.attempts)
     if (is_open(attempt)) line = row_of(attempt).line;
   for (const auto& attempt : before.attempts)

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <functional>
 #include <map>
 
 #include "server/application/plumbing/crash_point.h"
@@ -167,6 +168,44 @@ TEST(Restart, ComparesTheZeroWithTheOneBefore) {
   const auto events = *store->events().events(EventId{0}, 10'000);
   for (const auto& event : events) surprised += event.what == "zero.surprising";
   EXPECT_EQ(surprised, 1);
+}
+
+// Runs the daemon in a child until `when` says that it is killed.
+void kill_when(SharedWorld& world, const std::string& database, CellTime begin,
+               const std::string& new_run, std::function<bool(CellInMemory&)> when) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    CellInMemory cell(*world, small_cell(database), kSqlite, begin);
+    if (!new_run.empty()) cell.begin_run(new_run);
+    cell.until([&] { return cell.status().run && when(cell); });
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+}
+
+std::vector<std::int64_t> suspect_rows(const std::string& database) {
+  std::vector<std::int64_t> rows;
+  auto store = *storage::open_sqlite_store(database, true);
+  for (const auto& mark : store->remarks().exclusions(RunId{1}).value())
+    if (mark.suspect) rows.insert(rows.end(), mark.rows.begin(), mark.rows.end());
+  return rows;
+}
+
+// Lines without a zero among their rows end with a return to zero.
+TEST(Restart, DoesNotDoubtRowsThatAStoredReturnToZeroHasConfirmed) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  world->warming_k_per_h = 0;
+  kill_when(world, database, kWorldBegin, lines_of(2, {2, -3}, false), [](CellInMemory& cell) {
+    return cell.status().run->run.accepted == 2 && cell.status().run->line == 2;
+  });
+  world->zero_mm += 0.001;  // touched after the return to zero
+  ASSERT_FALSE(daemon_dies(world, database, kWorldBegin + std::chrono::hours(1), 1 << 30, false));
+  EXPECT_EQ(look(database).run->state, RunState::done);
+  EXPECT_EQ(suspect_rows(database), std::vector<std::int64_t>{});
 }
 
 TEST(Restart, ARestGoesOnAfterAKillAndSaysSinceWhen) {
