@@ -10,6 +10,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/start_checks.h"
+#include "server/application/motion/until_stored.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -214,8 +215,10 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   datum.values.insert(datum.values.end(), slow.begin(), slow.end());
   if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
 
-  DRIFTWISE_CO_TRY(auto id, co_await bench.writer.points().open_datum(datum));
-  datum.id = id;
+  // What is zeroed waits for the disk with its datum: zeroed again it would be another one.
+  const auto store = [&] { return bench.writer.points().open_datum(datum); };
+  auto storing = until_stored(scope, store);
+  DRIFTWISE_CO_TRY(datum.id, co_await std::move(storing));
   bench.doubts.take_datum(datum);
   bench.events.record_own("datum.opened",
                           fmt::format("datum {}: {}", datum.id.value, opening.reason), scope.run);

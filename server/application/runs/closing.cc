@@ -10,6 +10,7 @@
 #include "server/application/motion/loading.h"
 #include "server/application/motion/motion.h"
 #include "server/application/motion/sampling.h"
+#include "server/application/motion/until_stored.h"
 #include "server/application/runs/run_engine.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -130,21 +131,12 @@ void learn(ActiveRun& run, const Closure& closure) {
   add_closure(run.closures, closure.warming_k, lengths_nm);
 }
 
-// While the disk is full the run waits here.
+// While the disk takes nothing the run waits here.
 Awaitable<Result<void>> store_closure(RunScope& scope, ClosureRecord record,
                                       std::optional<RepeatedLine> repeated) {
-  constexpr double kRetry_s = 5;
-  bool waiting = false;
-  while (true) {
-    const auto stored = co_await scope.bench.writer.closures().add_closure(record, repeated);
-    if (stored) break;
-    if (stored.error().code != ErrorCode::resource_exhausted)
-      co_return tl::unexpected(stored.error());
-    if (!std::exchange(waiting, true))
-      DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.enter_waiting(stored.error().message));
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(kRetry_s));
-  }
-  if (waiting) co_return co_await scope.leave_waiting();
+  const auto store = [&] { return scope.bench.writer.closures().add_closure(record, repeated); };
+  auto storing = until_stored(scope, store);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(storing));
   co_return Result<void>{};
 }
 

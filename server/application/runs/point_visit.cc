@@ -11,6 +11,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/point_decision.h"
 #include "server/application/motion/sampling.h"
+#include "server/application/motion/until_stored.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -196,30 +197,9 @@ void take_over(ActiveRun& run, const PointCommit& commit) {
 }  // namespace
 
 Awaitable<Result<std::optional<PointId>>> commit_until_stored(RunScope& scope, PointCommit commit) {
-  constexpr double kRetry_s = 5;
-  bool waiting = false, no_room = false;
-  while (true) {
-    auto stored = co_await scope.bench.writer.commit(commit);
-    if (stored) {
-      if (waiting) {
-        scope.bench.events.record_own(
-            "run.resumed",
-            no_room ? "there is room on the disk again" : "the database takes points again",
-            commit.run);
-        DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.leave_waiting());
-      }
-      co_return stored;
-    }
-    if (stored.error().code != ErrorCode::resource_exhausted) co_return stored;
-    no_room = stored.error().reason == reasons::kDiskFull;
-    if (!std::exchange(waiting, true)) {
-      // Written when there is room again: the record must say why the run stood.
-      scope.bench.events.record_own("run.trouble", stored.error().message, commit.run);
-      DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.enter_waiting(stored.error().message));
-    }
-    scope.phase(no_room ? "waiting for room on the disk" : "waiting for the database");
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(kRetry_s));
-  }
+  const auto store = [&scope, &commit] { return scope.bench.writer.commit(commit); };
+  auto storing = until_stored(scope, store);
+  co_return co_await std::move(storing);
 }
 
 Awaitable<Result<VisitResult>> visit_row(ActiveRun& run, Visit visit,

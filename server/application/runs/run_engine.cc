@@ -349,9 +349,10 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
   if (remedy == Remedy::leave || remedy == Remedy::abort || remedy == Remedy::fail)
     co_return tl::unexpected(error);
   run.scope.phase("waiting");
+  // First of all: the mark may wait for the disk. An axis that cannot be reached stands by its own
+  // watchdog.
+  static_cast<void>(co_await bench_.devices.stop());
   if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
-  static_cast<void>(
-      co_await bench_.devices.stop());  // an axis that cannot be reached stands by its own watchdog
   bench_.events.record_own("run.trouble", error.message, run.record.id);
   // A device that says what cannot be is waited for: it may be right again after hours. Weights
   // that stick are mended by a person, who need not know that a run waits for them.
@@ -439,9 +440,9 @@ Awaitable<Result<void>> RunEngine::change(ActiveRun& run, RunState state, std::s
 
 Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   const auto remedy = outcome ? Remedy::abort : remedy_for(outcome.error());
+  if (!outcome) static_cast<void>(co_await bench_.devices.stop());
   if (!outcome) static_cast<void>(co_await mark_doubted(run));
   if (!outcome && remedy == Remedy::leave) {
-    static_cast<void>(co_await bench_.devices.stop());
     adopt_pause(run);
     const auto state = run.record.state == RunState::paused ? RunState::paused : RunState::waiting;
     const auto reason =
@@ -451,7 +452,6 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
     publish();
     co_return;
   }
-  if (!outcome) static_cast<void>(co_await bench_.devices.stop());
   run.record.hold = {};
   run.record.ended = bench_.clock.now().utc;
   if (outcome) run.meter.end(run.record.ended);

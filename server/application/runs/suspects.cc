@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/motion/until_stored.h"
 #include "server/application/recording/doubts.h"
 #include "server/application/runs/active_run.h"
 #include "server/application/runs/run_engine.h"
@@ -53,7 +54,10 @@ Awaitable<Result<void>> mark_rows(ActiveRun& run, std::vector<std::int64_t> rows
   mark.at = run.scope.bench.clock.now();
   mark.who = "daemon";
   mark.suspect = true;
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await run.scope.bench.writer.remarks().exclude(mark));
+  // Through stops and an abort: the rows are asked for once, and would stay in fits.
+  const auto store = [&run, &mark] { return run.scope.bench.writer.remarks().exclude(mark); };
+  auto storing = until_stored(run.scope, store, EndsWait::the_daemon_alone);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(storing));
   auto detail = fmt::format("rows {} of run {} are suspect and kept out of fits: {}",
                             formats::row_ranges_text(mark.rows), mark.run.value, mark.reason);
   run.scope.bench.events.record_own("data.suspect", std::move(detail), mark.run);

@@ -11,17 +11,18 @@
 namespace driftwise::tests {
 namespace {
 
-// Passes everything on, but refuses commits while the disk is full.
+// Passes everything on, but refuses commits while the disk is full, or marks alone.
 class FullDisk final : public Store,
                        RunStore,
                        PointStore,
                        ReadingStore,
                        EventStore,
                        AuditStore,
-                       StopStore {
+                       StopStore,
+                       RemarkStore {
  public:
-  FullDisk(std::unique_ptr<Store> inner, const bool& full)
-      : Store(before(*inner, this)), inner_(std::move(inner)), full_(full) {}
+  FullDisk(std::unique_ptr<Store> inner, const bool& full, const bool& no_marks)
+      : Store(before(*inner, this)), inner_(std::move(inner)), full_(full), no_marks_(no_marks) {}
 
  private:
   // Asked before its own bases stand: a static function, for nothing of it may be called yet.
@@ -33,6 +34,7 @@ class FullDisk final : public Store,
     parts.events = its;
     parts.audit = its;
     parts.stops = its;
+    parts.remarks = its;
     parts.upkeep = nullptr;
     return parts;
   }
@@ -106,6 +108,25 @@ class FullDisk final : public Store,
     return or_full<bool>([&] { return inner_->stops().confirm(stop, at); });
   }
   Result<std::vector<StopRecord>> pending() override { return inner_->stops().pending(); }
+  Result<ExclusionRecord> exclude(const ExclusionRecord& exclusion) override {
+    if (no_marks_) return fail(ErrorCode::resource_exhausted, "DISK_FULL", "no room for a mark");
+    return or_full<ExclusionRecord>([&] { return inner_->remarks().exclude(exclusion); });
+  }
+  Result<std::vector<ExclusionRecord>> exclusions(RunId run) override {
+    return inner_->remarks().exclusions(run);
+  }
+  Result<NoteRecord> add_note(const NoteRecord& note) override {
+    return or_full<NoteRecord>([&] { return inner_->remarks().add_note(note); });
+  }
+  Result<std::vector<NoteRecord>> notes(const NoteSubject& subject) override {
+    return inner_->remarks().notes(subject);
+  }
+  Result<TimeNoteRecord> add_time_note(const TimeNoteRecord& note) override {
+    return or_full<TimeNoteRecord>([&] { return inner_->remarks().add_time_note(note); });
+  }
+  Result<std::vector<TimeNoteRecord>> time_notes(CellTime from, CellTime to, int limit) override {
+    return inner_->remarks().time_notes(from, to, limit);
+  }
   Result<std::vector<AuditRecord>> acts(std::int64_t before_id, int limit) override {
     return inner_->audit().acts(before_id, limit);
   }
@@ -123,19 +144,19 @@ class FullDisk final : public Store,
   }
 
   std::unique_ptr<Store> inner_;
-  const bool& full_;
+  const bool &full_, &no_marks_;
 };
 
 class FullDiskTest : public testing::Test {
  protected:
   Folder folder;
   SmallWorld world;
-  bool full = false;
+  bool full = false, no_marks = false;
   OpenStore open = [this](const std::string& path,
                           bool read_only) -> Result<std::unique_ptr<Store>> {
     auto store = storage::open_sqlite_store(path, read_only);
     if (!store || read_only) return store;
-    return std::make_unique<FullDisk>(std::move(*store), full);
+    return std::make_unique<FullDisk>(std::move(*store), full, no_marks);
   };
   CellInMemory cell{world, small_cell(folder / "cell.sqlite"), open};
 };
@@ -167,6 +188,45 @@ TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
   EXPECT_EQ(cell.events_named("run.trouble"),
             std::vector<std::string>{"the disk is full: make room"});
   EXPECT_EQ(cell.events_named("run.resumed").size(), 1u);
+}
+
+TEST_F(FullDiskTest, ADatumWaitsForItAndTheInstrumentsAreNotZeroedAgain) {
+  const auto run = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
+  cell.until([&] { return world.zeroings == 1; });
+  const auto zeroed = cell.now();
+  full = true;
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+  EXPECT_EQ(cell.status().run->run.reason, "the disk is full: make room");
+  cell.pass(900);
+  full = false;
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_EQ(world.zeroings, 1);
+  const auto data = *cell.await(cell.datums(run));
+  ASSERT_EQ(data.size(), 1u);
+  EXPECT_LT(data.front().opened.utc, zeroed + std::chrono::seconds(60)) << "of the zeroing itself";
+  EXPECT_EQ(cell.events_named("run.trouble"),
+            std::vector<std::string>{"the disk is full: make room"});
+  EXPECT_EQ(cell.events_named("run.resumed").size(), 1u);
+}
+
+// Lines of a return to zero and four points: rows 0 and 1..4, 5 and 6..9, ...
+TEST_F(FullDiskTest, AMarkWaitsForItThroughAStopAndTheRunIsPausedThen) {
+  const auto run = cell.begin_run(lines_of(5, {2, -3, 1, -1}, true)).id;
+  cell.until([&] { return cell.status().run->run.accepted >= 8; });
+  world.zero_mm -= 0.010;
+  no_marks = true;
+  cell.until([&] { return cell.status().run->run.reason == "no room for a mark"; });
+  ASSERT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
+  const int moves = world.moves;
+  cell.pass(60);
+  EXPECT_EQ(world.moves, moves);
+  no_marks = false;
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; }, 60);
+  EXPECT_EQ(cell.await(cell->annotations.exclusions(run))->suspect_rows,
+            (std::vector<std::int64_t>{6, 7, 8, 9, 10}));
+  EXPECT_EQ(world.moves, moves);
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
 
 struct Halt {
@@ -223,11 +283,12 @@ INSTANTIATE_TEST_SUITE_P(By, HaltOnAFullDisk,
 
 TEST(ReadingsOnAFullDisk, KeepTheirOrderWhenTwoParcelsAreRefusedAtATime) {
   Folder folder;
-  const bool full = true;
+  const bool full = true, no_marks = false;
   asio::io_context cell, storage_thread;
   application::StoreWriter writer{
       storage_thread.get_executor(),
-      std::make_unique<FullDisk>(*storage::open_sqlite_store(folder / "cell.sqlite", false), full)};
+      std::make_unique<FullDisk>(*storage::open_sqlite_store(folder / "cell.sqlite", false), full,
+                                 no_marks)};
   const auto add_at_s = [&writer](int seconds) {
     Reading reading;
     reading.device = "scanner";

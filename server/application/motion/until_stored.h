@@ -1,0 +1,56 @@
+#pragma once
+// Storing for a run that waits while the database takes nothing: a disk that is full or became
+// read-only refuses with resource_exhausted, and the same call succeeds later.
+
+#include <type_traits>
+#include <utility>
+
+#include "server/application/motion/workbench.h"
+
+namespace driftwise::application {
+
+// What ends the wait for the disk before it takes the record.
+enum class EndsWait {
+  whatever_ends_a_step,  // a stop, an abort, the end of the daemon
+  the_daemon_alone,      // what is lost otherwise: nothing measures it again
+};
+
+class DiskWait {
+ public:
+  DiskWait(RunScope& scope, EndsWait ends) : scope_(scope), ends_(ends) {}
+
+  // The store refused: the run is waiting, with an event, and the next try is due when this
+  // returns. Errors: those of RunControl::check, by `ends`; those of RunScope::enter_waiting.
+  Awaitable<Result<void>> next_try(Error refusal);
+  // The store took it: the run is running again. Errors: those of RunScope::leave_waiting.
+  Awaitable<Result<void>> over();
+
+ private:
+  RunScope& scope_;
+  EndsWait ends_;
+  bool waiting_ = false, no_room_ = false;
+};
+
+// store(): the awaitable of one try; it is called again until the answer is anything but
+// resource_exhausted. Without a run, of a movement by hand, that is an answer too: a person waits
+// for it. Errors: those of the store and of DiskWait.
+template <class Store>
+std::invoke_result_t<Store&> until_stored(RunScope& scope, Store store,
+                                          EndsWait ends = EndsWait::whatever_ends_a_step) {
+  DiskWait wait(scope, ends);
+  while (true) {
+    auto storing = store();
+    auto stored = co_await std::move(storing);
+    if (!stored && scope.run && stored.error().code == ErrorCode::resource_exhausted) {
+      auto waiting = wait.next_try(stored.error());
+      if (auto ok = co_await std::move(waiting); !ok) co_return tl::unexpected(ok.error());
+      continue;
+    }
+    if (!stored) co_return stored;
+    auto leaving = wait.over();
+    if (auto ok = co_await std::move(leaving); !ok) co_return tl::unexpected(ok.error());
+    co_return stored;
+  }
+}
+
+}  // namespace driftwise::application
