@@ -78,25 +78,67 @@ std::optional<WorstZero> worst_of(const DatumOpening& opening, const std::vector
   return worst;
 }
 
-// old_zero: what the instruments read at the zero just before they were zeroed.
-void compare(const CellDescription& description, const DatumOpening& opening,
-             const Sampling& old_zero, DatumRecord& datum, EventLog& events) {
-  if (!opening.before) return;
+// old_zero: what the instruments read at the zero just before they are zeroed; slow: the
+// temperatures then. Empty: there is nothing to compare.
+std::vector<ChannelValue> compare(const RunScope& scope, const DatumOpening& opening,
+                                  const Sampling& old_zero, const std::vector<ChannelValue>& slow) {
+  const auto& description = scope.bench.description;
   std::vector<ChannelValue> values;
   add_means(values, description, old_zero);
   const auto worst = worst_of(opening, closure_nm(description, *opening.before, values),
-                              warming_since(description, *opening.before, datum.values));
-  if (!worst) return;
+                              warming_since(description, *opening.before, slow));
+  if (!worst) return {};
   const auto& comparison = worst->comparison;
-  datum.values.push_back({"zero_predicted_nm", comparison.predicted.shift_nm});
-  datum.values.push_back({"zero_found_nm", comparison.found_nm});
-  datum.values.push_back({"zero_difference_nm", comparison.difference_nm()});
-  datum.values.push_back({"zero_limit_nm", comparison.limit_nm()});
   const auto lengths = description.length_channels();
   const auto which =
       lengths.size() > 1 ? lengths[worst->length].symbol + ", the worst of them: " : std::string();
-  events.record_own(comparison.surprising() ? "zero.surprising" : "zero.compared",
-                    which + comparison.sentence(), datum.run);
+  scope.bench.events.record_own(comparison.surprising() ? "zero.surprising" : "zero.compared",
+                                which + comparison.sentence(), scope.run);
+  return {{"zero_predicted_nm", comparison.predicted.shift_nm},
+          {"zero_found_nm", comparison.found_nm},
+          {"zero_difference_nm", comparison.difference_nm()},
+          {"zero_limit_nm", comparison.limit_nm()}};
+}
+
+// The first zeroing since the datum before was opened, as its reading has it: that one compared the
+// old zero, and took it away. It has no datum when it was interrupted.
+Awaitable<Result<std::optional<Reading>>> zeroing_since(RunScope& scope, DatumRecord before) {
+  auto& bench = scope.bench;
+  auto looking =
+      bench.writer.readings().readings(kZeroDevice, before.opened.utc, bench.clock.now().utc, 1);
+  DRIFTWISE_CO_TRY(auto found, co_await std::move(looking));
+  if (found.empty()) co_return std::nullopt;
+  const double* difference_nm = find_value(found.front().values, "zero_difference_nm");
+  bench.events.record_own(
+      difference_nm ? "zero.compared" : "zero.not_compared",
+      difference_nm
+          ? fmt::format("as measured before a zeroing since datum {}: {:+.0f} nm from where the "
+                        "old zero was expected",
+                        before.id.value, *difference_nm)
+          : fmt::format("the instruments were zeroed since datum {}: its zero cannot be measured "
+                        "any more, the next return to zero decides",
+                        before.id.value),
+      scope.run);
+  co_return std::move(found.front());
+}
+
+Awaitable<Result<void>> store_reading(StoreWriter& writer, const Reading& reading) {
+  return writer.call(
+      [](Store& store, const Reading& kept) {
+        return store.readings().append(std::span<const Reading>(&kept, 1), {}, {});
+      },
+      reading);
+}
+
+// On disk before the first instrument is zeroed: whatever interrupts what follows, the old zero is
+// measured from here on no more.
+Awaitable<Result<Reading>> begin_zeroing(RunScope& scope, std::vector<ChannelValue> comparison) {
+  const auto now = scope.bench.clock.now().utc;
+  Reading zeroing{kZeroDevice, now, now, 0, std::move(comparison)};
+  const auto store = [&] { return store_reading(scope.bench.writer, zeroing); };
+  auto storing = until_stored(scope, store);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(storing));
+  co_return zeroing;
 }
 
 const std::vector<SetupConfirmation>& confirmations_of(const RunScope& scope) {
@@ -184,6 +226,11 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await stand_at_zero(scope, opening.reason));
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_stabilisers(scope));
 
+  std::optional<Reading> zeroing;  // that took the old zero away
+  if (opening.before) {
+    auto looking = zeroing_since(scope, *opening.before);
+    DRIFTWISE_CO_TRY(zeroing, co_await std::move(looking));
+  }
   // A lost beam fails here with BEAM_LOST: then there is no old zero to compare with, and zeroing
   // brings it back.
   const std::vector<double> zero_mm(bench.description.motor_channels().size(), 0.0);
@@ -198,6 +245,16 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
     old_zero = co_await take_readings(scope, scope.rules.readings_per_point, zero_mm);
     DRIFTWISE_CO_RETURN_IF_ERROR(old_zero);
   }
+  const bool has_old_zero = old_zero && !zeroing;
+  if (!zeroing) {
+    std::vector<ChannelValue> comparison;
+    if (has_old_zero && opening.before) {
+      DRIFTWISE_CO_TRY(const auto slow, co_await join_when_scanned(scope, old_zero->measured.utc));
+      comparison = compare(scope, opening, *old_zero, slow);
+    }
+    auto beginning = begin_zeroing(scope, std::move(comparison));
+    DRIFTWISE_CO_TRY(zeroing, co_await std::move(beginning));
+  }
   for (const auto device : bench.devices.with_role(DeviceRole::length))
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.zero(device));
   DRIFTWISE_CO_TRY(auto new_zero,
@@ -206,14 +263,14 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
 
   DatumRecord datum{{}, scope.run, new_zero.measured, opening.reason, {}};
   add_zero_of_scale(datum.values, bench.description, new_zero);
-  if (old_zero)
+  if (has_old_zero)
     for (const auto& mean : old_zero->means)
       if (!is_angle_of(bench.description, mean.channel) && !is_of_confirmation(scope, mean.channel))
         datum.values.push_back(mean);
   add_slow_of_zero(datum.values, scope, new_zero);
   DRIFTWISE_CO_TRY(auto slow, co_await join_when_scanned(scope, datum.opened.utc));
   datum.values.insert(datum.values.end(), slow.begin(), slow.end());
-  if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
+  for (const auto& value : zeroing->values) datum.values.push_back(value);
 
   // What is zeroed waits for the disk with its datum: zeroed again it would be another one.
   const auto store = [&] { return bench.writer.points().open_datum(datum); };

@@ -19,12 +19,18 @@ struct DatumOpening {
   Closures closures;
 };
 
-// Checks, homes, moves to zero, reads the zero as the old datum sees it, zeroes, stores the datum
-// and its event. The record's values: q1_mm .. where the new zero lies on the scales, x_mm .. as
-// the old zero had it (absent with a lost beam), rotations as the autocollimators read them, every
-// temperature, the force that acts; with a datum before also zero_predicted_nm, zero_found_nm,
-// zero_difference_nm, zero_limit_nm of the length that differs most. Errors: those of the checks
-// and devices; resource_exhausted and the like from the store.
+// Device of the reading that is stored before the first instrument is zeroed. Its values are
+// zero_predicted_nm .. zero_limit_nm; it has none where the old zero was not compared.
+inline constexpr const char* kZeroDevice = "zero";
+
+// Checks, homes, moves to zero, reads the zero as the old datum sees it, stores the comparison
+// (kZeroDevice), zeroes, stores the datum and its event. The record's values: q1_mm .. where the
+// new zero lies on the scales, x_mm .. as the old zero had it (absent with a lost beam, and where
+// the instruments were zeroed since the datum before), rotations as the autocollimators read them,
+// every temperature, the force that acts; with a datum before also zero_predicted_nm,
+// zero_found_nm, zero_difference_nm, zero_limit_nm of the length that differs most, by the first
+// zeroing since that datum. A run waits while the disk takes nothing. Errors: those of the checks
+// and devices; those of the store, without a run resource_exhausted among them.
 Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening);
 
 // The warming of every temperature of the cell between a datum's zeroing and a set of values;

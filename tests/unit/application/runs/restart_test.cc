@@ -193,6 +193,52 @@ std::vector<std::int64_t> suspect_rows(const std::string& database) {
   return rows;
 }
 
+// Killed in the middle of a line, then once more between the zeroing and the commit of its datum.
+TEST(Restart, KeepsWhatTheOldZeroWasWhenAZeroingWasInterrupted) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  world->warming_k_per_h = 0;
+  kill_when(world, database, kWorldBegin, kTrajectory,
+            [](CellInMemory& cell) { return cell.status().run->run.accepted == 2; });
+  world->zero_mm += 0.001;  // somebody touched the mirror: 1 um
+  const int zeroings = world->zeroings;
+  kill_when(world, database, kWorldBegin + std::chrono::hours(1), "",
+            [&](CellInMemory&) { return world->zeroings == zeroings + 1; });
+  ASSERT_EQ(look(database).data.size(), 1u) << "zeroed, and no datum of it";
+  ASSERT_FALSE(daemon_dies(world, database, kWorldBegin + std::chrono::hours(2), 1 << 30, false));
+  const auto after = look(database);
+  EXPECT_EQ(after.run->state, RunState::done);
+  ASSERT_EQ(after.data.size(), 2u);
+  std::map<std::string, double> values;
+  for (const auto& v : after.data.back().values) values[v.channel] = v.value;
+  EXPECT_NEAR(values["zero_found_nm"], -1000, 100) << "as the first attempt had it";
+  EXPECT_FALSE(values.contains("x_mm")) << "nobody can read the old zero any more";
+  const auto rows = suspect_rows(database);
+  EXPECT_NE(std::ranges::find(rows, 1), rows.end()) << "measured since the last good zero";
+}
+
+// A lost beam is zeroed without a comparison: that zeroing took the old zero away all the same.
+TEST(Restart, ComparesNothingWhenTheBeamWasLostAndTheZeroingInterrupted) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  kill_when(world, database, kWorldBegin, kTrajectory,
+            [&, zeroed = -1](CellInMemory& cell) mutable {
+              if (zeroed < 0 && cell.status().run->run.accepted == 2) {
+                zeroed = world->zeroings;
+                world->beam_lost = true;
+              }
+              return zeroed >= 0 && world->zeroings > zeroed;
+            });
+  ASSERT_EQ(look(database).data.size(), 1u) << "zeroed, and no datum of it";
+  ASSERT_FALSE(daemon_dies(world, database, kWorldBegin + std::chrono::hours(1), 1 << 30, false));
+  const auto after = look(database);
+  EXPECT_EQ(after.run->state, RunState::done);
+  ASSERT_EQ(after.data.size(), 2u);
+  for (const auto& v : after.data.back().values) EXPECT_NE(v.channel, "zero_found_nm");
+}
+
 // Lines without a zero among their rows end with a return to zero.
 TEST(Restart, DoesNotDoubtRowsThatAStoredReturnToZeroHasConfirmed) {
   Folder folder;

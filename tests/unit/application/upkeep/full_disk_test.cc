@@ -190,6 +190,20 @@ TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
   EXPECT_EQ(cell.events_named("run.resumed").size(), 1u);
 }
 
+TEST_F(FullDiskTest, NothingIsZeroedBeforeItTakesThatTheOldZeroGoes) {
+  const auto run = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
+  cell.until([&] { return world.homes == 1; });
+  full = true;
+  cell.until([&] { return cell.status().run->run.reason == "the disk is full: make room"; });
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
+  cell.pass(900);
+  EXPECT_EQ(world.zeroings, 0);
+  full = false;
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_EQ(world.zeroings, 1);
+  EXPECT_EQ(cell.await(cell.datums(run))->size(), 1u);
+}
+
 TEST_F(FullDiskTest, ADatumWaitsForItAndTheInstrumentsAreNotZeroedAgain) {
   const auto run = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
   cell.until([&] { return world.zeroings == 1; });
