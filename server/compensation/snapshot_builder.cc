@@ -123,6 +123,14 @@ Result<void> SnapshotBuilder::add_geometry() {
   return {};
 }
 
+std::vector<std::string> SnapshotBuilder::observed_channels() const {
+  std::vector<std::string> names;
+  for (const auto& channel : slow_.channels()) names.push_back(channel.name());
+  if (law_)
+    for (const auto& output : outputs_) names.push_back(output.channel.name());
+  return names;
+}
+
 void SnapshotBuilder::observe_motors(std::span<const ChannelValue> values) {
   for (std::size_t i = 0; i < outputs_.size(); ++i)
     for (const auto& value : values)

@@ -48,6 +48,9 @@ class SnapshotBuilder {
     if (law_) observe_motors(values);
   }
 
+  // Full names of the channels that observe() does not pass over.
+  std::vector<std::string> observed_channels() const;
+
   // The zero of the present datum: motor coordinates read back (and force, where the model has it)
   // at pose 0, with every temperature at that instant. From here on q = q_zero + f(pose + p0, now)
   // - f(p0, then), coefficients' covariance included, so that the constant of the model's own datum

@@ -120,6 +120,14 @@ Result<JointBuilder> JointBuilder::create(ServingPlan plan, PlanId id, const Mod
   return made;
 }
 
+std::vector<std::string> JointBuilder::observed_channels() const {
+  std::vector<std::string> names;
+  for (const auto& part : parts_)
+    for (const auto& name : part.builder.observed_channels())
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  return names;
+}
+
 void JointBuilder::observe(std::span<const ChannelValue> values, CellTime at) {
   for (auto& part : parts_) part.builder.observe(values, at);  // slow channels carry no robot's id
 }

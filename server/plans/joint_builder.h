@@ -31,6 +31,9 @@ class JointBuilder {
   void observe(const Reading& reading) { observe(reading.values, reading.middle()); }
   void observe(std::span<const ChannelValue> values, CellTime at);
 
+  // Full names of the channels that observe() does not pass over, each once.
+  std::vector<std::string> observed_channels() const;
+
   // As SnapshotBuilder::anchor, of every part. own: this model was fitted in the present datum.
   // Answers with what did not fit, a sentence each.
   std::vector<std::string> anchor(std::span<const ChannelValue> values,

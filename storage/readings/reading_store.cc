@@ -8,17 +8,19 @@
 namespace driftwise::storage {
 namespace {
 
+// Of more than limit the newest, oldest first.
 void read_device(Session& session, std::int64_t device_id, CellTime from, CellTime to, int limit,
                  std::vector<Reading>& into) {
   Query query(session.db,
               "SELECT reading_id, start_ns, end_ns, sequence FROM reading WHERE device_id = ? AND "
               "start_ns >= ? AND "
-              "start_ns < ? ORDER BY start_ns, reading_id LIMIT ?");
+              "start_ns < ? ORDER BY start_ns DESC, reading_id DESC LIMIT ?");
   Query values(
       session.db,
       "SELECT channel_id, CASE WHEN EXISTS (SELECT 1 FROM rejected_value x WHERE x.device_id = ?2 "
       "AND x.start_ns = ?3 AND x.sequence = ?4 AND x.channel_id = v.channel_id) THEN NULL ELSE "
       "value END FROM reading_value v WHERE reading_id = ?1 ORDER BY channel_id");
+  const auto first = std::ssize(into);
   query.bind(device_id, from.utc_ns, to.utc_ns, limit > 0 ? limit : -1);
   while (query.row()) {
     Reading reading{session.names.device_name(device_id),
@@ -32,6 +34,7 @@ void read_device(Session& session, std::int64_t device_id, CellTime from, CellTi
     values.restart();
     into.push_back(std::move(reading));
   }
+  std::reverse(into.begin() + first, into.end());
 }
 
 // from and to may name different numbers of axes; the shorter one has been filled up.
@@ -63,8 +66,7 @@ Result<std::vector<Reading>> SqliteReadingStore::readings(const std::string& dev
         read_thinned(session_, id, from, to, found);
       }
     std::ranges::stable_sort(found, {}, &Reading::start);
-    if (limit > 0 && found.size() > static_cast<std::size_t>(limit))
-      found.resize(static_cast<std::size_t>(limit));
+    if (limit > 0 && std::ssize(found) > limit) found.erase(found.begin(), found.end() - limit);
     return found;
   });
 }

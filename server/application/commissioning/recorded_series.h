@@ -14,8 +14,8 @@ struct RecordedSeries {
   stability::Samples samples;  // seconds since from; rejected and missing values are left out
 };
 
-// Blocks: on the store's thread. device: gives the channels. At most `most` readings, from the
-// first on.
+// Blocks: on the store's thread. device: gives the channels. At most `most` readings,
+// the newest.
 Result<std::vector<RecordedSeries>> recorded_series(Store& store, const std::string& device,
                                                     const std::vector<std::string>& channels,
                                                     CellTime from, CellTime to, int most = 400'000);

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 
+#include "server/application/serving/memory.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
 namespace {
 
-constexpr auto kJointMemory = std::chrono::hours(6);  // longer than any lag the catalogue fits
-constexpr int kJointMemoryReadings = 50'000;
 constexpr auto kShortestJointRebuild = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -48,9 +47,12 @@ Awaitable<Result<void>> JointServing::serve(PlanId id, plans::ServingPlan plan,
     origins[model] = co_await origin_of(content, reader_, description_.hash);
   DRIFTWISE_CO_TRY(auto builder,
                    plans::JointBuilder::create(std::move(plan), id, models, description_));
-  const auto now = clock_.now().utc;
-  const auto stored =
-      co_await reader_.readings().readings("", now - kJointMemory, now, kJointMemoryReadings);
+  const auto stored = co_await reader_.call(
+      [cell = &description_, now = clock_.now().utc](Store& store,
+                                                     const std::vector<std::string>& channels) {
+        return readings_for_memory(store, *cell, channels, now);
+      },
+      builder.observed_channels());
   if (stored)
     for (const auto& reading : *stored) builder.observe(reading);
   // Readings that have not reached the disk yet.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/application/plumbing/task_group.h"
+#include "server/application/serving/memory.h"
 #include "server/application/serving/past_targets.h"
 #include "server/compensation/target.h"
 #include "server/core/reasons.h"
@@ -14,8 +15,6 @@
 namespace driftwise::application {
 namespace {
 
-constexpr auto kMemory = std::chrono::hours(6);  // longer than any lag the catalogue fits
-constexpr int kMemoryReadings = 50'000;
 constexpr auto kShortestRebuild = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -49,8 +48,12 @@ Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
   DRIFTWISE_CO_TRY(auto builder, compensation::SnapshotBuilder::create(std::move(model), record.id,
                                                                        description_));
   Followed followed{std::move(builder), std::move(origin)};
-  const auto now = clock_.now().utc;
-  const auto stored = co_await reader_.readings().readings("", now - kMemory, now, kMemoryReadings);
+  const auto stored = co_await reader_.call(
+      [cell = &description_, now = clock_.now().utc](Store& store,
+                                                     const std::vector<std::string>& channels) {
+        return readings_for_memory(store, *cell, channels, now);
+      },
+      followed.builder.observed_channels());
   if (stored)
     for (const auto& reading : *stored) followed.builder.observe(reading);
   // What has not reached the disk yet.

@@ -80,8 +80,8 @@ class ReadingStore {
   // rejected: values of these or other readings.
   virtual Result<void> append(std::span<const Reading> readings, std::span<const MoveRecord> moves,
                               std::span<const RejectedAnswer> rejected = {}) = 0;
-  // In time order, start in [from, to); device empty: all. A value that was rejected reads as
-  // kMissing: nothing computes with it.
+  // In time order, start in [from, to); device empty: all. limit: of more than that the newest;
+  // 0: every one. A value that was rejected reads as kMissing: nothing computes with it.
   virtual Result<std::vector<Reading>> readings(const std::string& device, CellTime from,
                                                 CellTime to, int limit) = 0;
   virtual Result<std::vector<MoveRecord>> moves(CellTime from, CellTime to) = 0;

@@ -62,7 +62,7 @@ TEST_F(ReadingStoreTest, TakesFromAndLeavesTo) {
   EXPECT_TRUE(store->readings().readings("laser-y", at_s(0).utc, at_s(9).utc, 0)->empty());
 }
 
-TEST_F(ReadingStoreTest, MergesAllDevicesInTimeAndKeepsTheLimit) {
+TEST_F(ReadingStoreTest, MergesAllDevicesInTimeAndGivesTheNewestWithinTheLimit) {
   std::vector<Reading> readings;
   for (int i = 0; i < 6; ++i) {
     readings.push_back(scan(2 * i, i));
@@ -74,7 +74,11 @@ TEST_F(ReadingStoreTest, MergesAllDevicesInTimeAndKeepsTheLimit) {
   const auto found = store->readings().readings("", at_s(0).utc, at_s(99).utc, 7).value();
   ASSERT_EQ(found.size(), 7u);
   for (std::size_t i = 0; i < found.size(); ++i)
-    EXPECT_EQ(found[i].start, at_s(static_cast<double>(i)).utc);
+    EXPECT_EQ(found[i].start, at_s(static_cast<double>(i + 5)).utc);
+  const auto last = store->readings().readings("scanner", at_s(0).utc, at_s(99).utc, 2).value();
+  ASSERT_EQ(last.size(), 2u);
+  EXPECT_EQ(last[0].sequence, 4);
+  EXPECT_EQ(last[1].sequence, 5);
 }
 
 TEST_F(ReadingStoreTest, KeepsTwoReadingsOfOneInstant) {
