@@ -37,12 +37,12 @@ void VoltageInstrument::add_quantities(const std::vector<double>& volts, Reading
     values.push_back(value_from_volts(sensors[i], volts[i]));
   if (device_.voltages.is_plate) {
     const auto pose = plate_pose(sensors, values);
-    reading.values.push_back({device_.length()->channel.name(), pose.z_mm - zero_mm_});
+    reading.values.push_back({device_.length()->channel.name(), pose.z_mm - zero_mm_.value_or(0)});
     reading.values.push_back({device_.angles()[0].channel.name(), pose.rx_arcsec});
     reading.values.push_back({device_.angles()[1].channel.name(), pose.ry_arcsec});
     return;
   }
-  const double zero = device_.length() ? zero_mm_ : 0;
+  const double zero = device_.length() ? zero_mm_.value_or(0) : 0;
   for (std::size_t i = 0; i < sensors.size(); ++i)
     reading.values.push_back({sensors[i].channel.name(), values[i] - zero});
 }
@@ -55,7 +55,7 @@ Awaitable<Result<void>> VoltageInstrument::zero() {
   DRIFTWISE_CO_TRY(const auto reading, co_await read());
   const double* value_mm = reading.find(length->channel.name());
   if (value_mm != nullptr && !is_missing(*value_mm)) {
-    zero_mm_ += *value_mm;
+    zero_mm_ = zero_mm_.value_or(0) + *value_mm;
     co_return Result<void>{};
   }
   std::string found;

@@ -5,7 +5,8 @@
 // read() gives each sensor's quantity, or z, rx and ry of a plate, and the voltages as they were
 // read. A voltage outside its sensor's range is a state: the quantity is missing (kMissing), not an
 // error; a voltage that the scanner cannot give is left out. A length counts from the last zero(),
-// which is kept here and so outlives a broken line. start and end are the scanner's, in cell time.
+// which is kept here and so outlives a broken line, but not the daemon; before the first one from
+// the sensor's zero_v. start and end are the scanner's, in cell time.
 
 #include <optional>
 
@@ -24,6 +25,7 @@ class VoltageInstrument : public ScannedDevice {
   // Of a length. Errors besides those of every device: failed_precondition NO_ZERO, an angle or a
   // force; OUT_OF_RANGE, the length is missing.
   Awaitable<Result<void>> zero() override;
+  bool knows_its_zero() const override { return !device_.length() || zero_mm_; }
 
  protected:
   // Appends the quantity of the device's sensors, in their order. volts: kMissing where there is
@@ -31,7 +33,7 @@ class VoltageInstrument : public ScannedDevice {
   virtual void add_quantities(const std::vector<double>& volts, Reading& reading) const;
 
  private:
-  double zero_mm_ = 0;
+  std::optional<double> zero_mm_;  // none: not zeroed since the start
 };
 
 // Force of a motor by its current, with the hysteresis of dry friction.

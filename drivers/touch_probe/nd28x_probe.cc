@@ -89,7 +89,8 @@ Awaitable<Result<Reading>> Nd28xProbe::read() {
   const auto& length = device_.length()->channel;
   const bool touches = is_in_contact(values_mm);
   out.values.push_back(
-      {length.name(), touches ? options_.sign * (mean_mm(values_mm) - zero_mm_) : kMissing});
+      {length.name(),
+       touches ? options_.sign * (mean_mm(values_mm) - zero_mm_.value_or(0)) : kMissing});
   if (options_.readings > 1)
     out.values.push_back({length.symbol + "_std_nm", touches ? spread_nm(values_mm) : kMissing});
   out.sequence = ++sequence_;

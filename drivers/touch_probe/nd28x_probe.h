@@ -6,9 +6,11 @@
 // and <symbol>_std_nm of them where there are two or more. A tip that has lost its contact, or
 // stands at an end of its way, is a state: the length is then missing (kMissing), not an error.
 // zero() keeps the present value as the zero here and changes nothing in the read-out, whose value
-// stays absolute: the zero outlives a broken line. An answer that did not come in time is got rid
+// stays absolute: the zero outlives a broken line, but not the daemon. Until the first zero() the
+// length counts from the read-out's own 0. An answer that did not come in time is got rid
 // of by a new connection. start and end are cell time.
 
+#include <optional>
 #include <vector>
 
 #include "drivers/touch_probe/nd28x_codec.h"
@@ -38,6 +40,7 @@ class Nd28xProbe final : public transport::LineDevice<Instrument> {
   Awaitable<Result<Reading>> read() override;
   // Errors besides: failed_precondition OUT_OF_RANGE: no contact, so there is nothing to zero.
   Awaitable<Result<void>> zero() override;
+  bool knows_its_zero() const override { return zero_mm_.has_value(); }
 
  private:
   Awaitable<Result<void>> set_up() override;
@@ -46,7 +49,7 @@ class Nd28xProbe final : public transport::LineDevice<Instrument> {
   bool is_in_contact(const std::vector<double>& values_mm) const;
 
   Options options_;
-  double zero_mm_ = 0;  // of the read-out
+  std::optional<double> zero_mm_;  // of the read-out; none: not zeroed since the start
   std::int64_t sequence_ = 0;
 };
 

@@ -178,7 +178,7 @@ Awaitable<Result<DatumRecord>> ManualControlService::new_datum_by_hand(RunScope&
   DatumOpening opening;
   opening.reason = std::move(reason);
   DRIFTWISE_CO_TRY(auto before, co_await reader_.points().newest_datum());
-  opening.before = std::move(before);
+  if (bench_.knows_zeros()) opening.before = std::move(before);
   auto opened = open_datum(scope, std::move(opening));
   co_return co_await std::move(opened);
 }

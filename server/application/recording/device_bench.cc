@@ -169,6 +169,12 @@ Awaitable<Result<void>> DeviceBench::zero(std::size_t device) {
   co_return zeroed;
 }
 
+bool DeviceBench::knows_zeros() const {
+  return std::ranges::all_of(with_role(DeviceRole::length), [this](std::size_t device) {
+    return slots_[device]->made.as<Instrument>()->knows_its_zero();
+  });
+}
+
 namespace {
 
 // nullptr: its controller does not tell its parameters.

@@ -62,6 +62,9 @@ class DeviceBench {
   Awaitable<Result<std::vector<JudgedReading>>> read_pose_instruments(bool at_zero = false);
   // Only of devices behind the port Instrument, and Stabiliser.
   Awaitable<Result<void>> zero(std::size_t device);
+  // Every length in use counts from a zero that its instrument still has: what it reads can be
+  // compared with what it read before the start of this process.
+  bool knows_zeros() const;
   Awaitable<Result<void>> set_point(std::size_t device, double degc);
   // Errors besides: failed_precondition NO_STABILISER, it has no TunableLoop.
   Awaitable<Result<LoopTuning>> tuning(std::size_t device);

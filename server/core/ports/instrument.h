@@ -15,6 +15,9 @@ class Instrument : public Device {
   // Makes the present value the zero, where the instrument has one; else failed_precondition,
   // NO_ZERO.
   virtual Awaitable<Result<void>> zero() = 0;
+  // False: its zero is kept in this process, and there has been none since the start. A length then
+  // counts from anywhere, and says nothing about a zero of before.
+  virtual bool knows_its_zero() const { return true; }
 };
 
 }  // namespace driftwise

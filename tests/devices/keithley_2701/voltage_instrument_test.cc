@@ -109,7 +109,9 @@ TEST_F(VoltageLoop, HasNoLengthBeyondTheRangeOfItsSensorAndCountsFromItsZero) {
   peer.on_connection(script);
   const auto both = std::pair(made(thermometers()), made(gauge()));
   auto& instrument = *both.second.as<Instrument>();
+  EXPECT_FALSE(instrument.knows_its_zero()) << "the one of before went with the daemon";
   EXPECT_TRUE(run(instrument.zero()));
+  EXPECT_TRUE(instrument.knows_its_zero());
   EXPECT_DOUBLE_EQ(*run(instrument.read())->find("z_mm"), 0.5);
   const auto beyond = run(instrument.read());
   ASSERT_TRUE(beyond) << "a state, no error";
@@ -148,6 +150,7 @@ TEST_F(VoltageLoop, KnowsTheForceOfAMotorByTheDirectionOfItsAxis) {
   EXPECT_DOUBLE_EQ(*after->find("force_N"), 1.7);
   EXPECT_EQ(*after->find("force_dead_band_1"), 0);
   EXPECT_EQ(run(instrument.zero()).error().reason, "NO_ZERO");
+  EXPECT_TRUE(instrument.knows_its_zero()) << "zero_v";
 }
 
 TEST_F(VoltageLoop, RefusesAnInputOrAnOptionThatAnotherDeviceOfTheConnectionHas) {

@@ -71,6 +71,19 @@ TEST_F(TouchProbeLoop, KeepsItsZeroOverABrokenLine) {
   EXPECT_NEAR(*reading->find("z_mm"), 0.25, 1e-12);
 }
 
+TEST_F(TouchProbeLoop, KnowsNoZeroUntilItIsZeroed) {
+  peer.on_connection(known_and(
+      {expect("\x02"), send("-    5.50000 \r\n"), expect("\x02"), send("+    1.00000 \r\n")}));
+  auto made = make(touch({{"contact_min_mm", "-5"}, {"contact_max_mm", "5"}}));
+  ASSERT_TRUE(made);
+  auto& probe = *made->as<Instrument>();
+  EXPECT_FALSE(probe.knows_its_zero()) << "the one of before went with the daemon";
+  EXPECT_FALSE(run(probe.zero()));
+  EXPECT_FALSE(probe.knows_its_zero()) << "without contact";
+  EXPECT_TRUE(run(probe.zero()));
+  EXPECT_TRUE(probe.knows_its_zero());
+}
+
 TEST_F(TouchProbeLoop, HasNoLengthWithoutContactAndNothingToZero) {
   peer.on_connection(known_and(
       {expect("\x02"), send("-    5.50000 \r\n"), expect("\x02"), send("-    5.50000 \r\n")}));
