@@ -42,6 +42,7 @@ class QuietWindow {
     while (seen_.size() > 1 && state.at - seen_[1].at >= length_) seen_.pop_front();
   }
   bool full() const { return !seen_.empty() && seen_.back().at - seen_.front().at >= length_; }
+  CellTime began() const { return seen_.front().at; }
   double peak_to_peak_nm() const {
     double widest = 0;
     for (std::size_t axis = 0; axis < seen_.front().q_mm.size(); ++axis) {
@@ -101,7 +102,10 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
 }
 
 Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival, const AxesToMove& moved) {
-  if (scope.rules.settle_s <= 0) co_return arrival;
+  if (scope.rules.settle_s <= 0) {
+    scope.at_rest = arrival.in_position.utc;
+    co_return arrival;
+  }
   const auto limit =
       scope.bench.clock.now().utc +
       nanoseconds_from_s(std::max(scope.rules.move_timeout_s, 2 * scope.rules.settle_s));
@@ -112,7 +116,10 @@ Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival, const Ax
     window.add(state);
     if (window.full()) {
       const double peak_to_peak_nm = window.peak_to_peak_nm();
-      if (peak_to_peak_nm <= scope.rules.quiet_nm) co_return arrival;
+      if (peak_to_peak_nm <= scope.rules.quiet_nm) {
+        scope.at_rest = window.began();
+        co_return arrival;
+      }
       if (scope.bench.clock.now().utc > limit) {
         arrival.trouble = Trouble::not_settled;
         arrival.sentence = fmt::format("quiet to {:.0f} nm peak to peak over {:g} s, limit {:g} nm",
@@ -170,6 +177,7 @@ namespace {
 Awaitable<Result<Arrival>> go_straight(RunScope& scope, const std::vector<double>& from_mm,
                                        std::vector<double> q_mm, std::string cause,
                                        AxesToMove moved) {
+  scope.at_rest.reset();
   scope.bench.writer.add(
       MoveRecord{scope.run, scope.bench.clock.now(), from_mm, q_mm, std::move(cause)});
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.bench.devices.start_move(q_mm, moved));

@@ -30,9 +30,9 @@ struct Arrival {
 // one per axis of the cell; kMissing for an axis that does not move: it stays where it is. Not
 // arriving within move_timeout_s, or no quiet within the same time after that, is
 // Trouble::not_settled and no error. The move itself is recorded for the store, cause: "row 17".
-// Errors: those of the controller; out_of_range, SOFT_LIMIT and KEEP_OUT (in a run one robot moves
-// before the others where that keeps the distance); aborted and cancelled by the run's control.
-// Keeps RunScope::sides.
+// RunScope::at_rest is then since when the scales have been quiet. Errors: those of the controller;
+// out_of_range, SOFT_LIMIT and KEEP_OUT (in a run one robot moves before the others where that
+// keeps the distance); aborted and cancelled by the run's control. Keeps RunScope::sides.
 void note_sides(RunScope& scope, const std::vector<double>& from_mm,
                 const std::vector<double>& to_mm);
 Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause,

@@ -45,6 +45,8 @@ struct RunScope {
   std::function<Awaitable<Result<void>>(std::string)>
       enter_waiting;  // state waiting, with the reason, on record
   std::function<Awaitable<Result<void>>()> leave_waiting;  // ... and running again
+  // Since when the axes stand where they were sent; none: they are on their way.
+  std::optional<CellTime> at_rest = {};
   std::string sides = {};  // from which each axis came where it is: '+', '-', '?'; one per axis
 
   // Until the instant, or earlier with an error when the run is aborted or the daemon ends.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "server/core/reasons.h"
 
@@ -11,6 +12,7 @@ namespace driftwise::application {
 
 void ChannelHistory::add(const Reading& reading, std::span<const RejectedValue> rejected) {
   const auto at = reading.middle();
+  began_[reading.device] = reading.start;
   for (const auto& value : reading.values) {
     auto [entry, is_new] = tracks_.try_emplace(value.channel);
     auto& track = entry->second;
@@ -26,24 +28,26 @@ void ChannelHistory::add(const Reading& reading, std::span<const RejectedValue> 
     // not break the order.
     auto place = track.samples.end();
     while (place != track.samples.begin() && std::prev(place)->at > at) --place;
-    track.samples.insert(place, {at, value.value});
+    track.samples.insert(place, {at, reading.start, value.value});
     if (track.samples.size() > kept_) track.samples.pop_front();
     track.latest.value = value.value;
     track.latest.at = at;
   }
 }
 
-Result<Joined> ChannelHistory::at(const std::string& channel, CellTime instant,
-                                  double max_age_s) const {
+Result<Joined> ChannelHistory::at(const std::string& channel, CellTime instant, double max_age_s,
+                                  CellTime since) const {
   const auto found = tracks_.find(channel);
   if (found == tracks_.end() || found->second.samples.empty())
     return fail(ErrorCode::failed_precondition, reasons::kChannelMissing,
                 fmt::format("{} gave no value yet: look at its device and probe", channel));
   const auto& samples = found->second.samples;
-  const auto after = std::lower_bound(samples.begin(), samples.end(), instant,
-                                      [](const Sample& s, CellTime t) { return s.at < t; });
+  const auto first = std::ranges::find_if(
+      samples, [since](CellTime began) { return began >= since; }, &Sample::began);
+  const auto after =
+      std::ranges::lower_bound(first, samples.end(), instant, std::less(), &Sample::at);
   const bool has_after = after != samples.end();
-  const bool has_before = after != samples.begin();
+  const bool has_before = after != first;
   const double to_after_s = has_after ? seconds_from(after->at - instant) : INFINITY;
   const double to_before_s = has_before ? seconds_from(instant - std::prev(after)->at) : INFINITY;
   const double nearest_s = std::min(to_after_s, to_before_s);
@@ -57,6 +61,11 @@ Result<Joined> ChannelHistory::at(const std::string& channel, CellTime instant,
     return Joined{before + weight * (after->value - before), nearest_s};
   }
   return Joined{to_after_s < to_before_s ? after->value : std::prev(after)->value, nearest_s};
+}
+
+bool ChannelHistory::has_reading_since(const std::string& device, CellTime since) const {
+  const auto found = began_.find(device);
+  return found != began_.end() && found->second >= since;
 }
 
 std::vector<ChannelHistory::Latest> ChannelHistory::latest() const {

@@ -56,6 +56,26 @@ TEST(ChannelHistory, NamesAChannelThatNeverGaveAValue) {
   EXPECT_EQ(ChannelHistory().at("t09_degC", at_s(0), 15).error().reason, "CHANNEL_MISSING");
 }
 
+TEST(ChannelHistory, LeavesOutReadingsThatBeganBeforeAnInstant) {
+  ChannelHistory history;
+  history.add(scan(9, 11, 20.0));
+  history.add(scan(14, 16, 30.0));
+  history.add(scan(19, 21, 40.0));
+  EXPECT_DOUBLE_EQ(history.at("t03_degC", at_s(15), 15, at_s(14))->value, 30.0);
+  EXPECT_EQ(history.at("t03_degC", at_s(15), 15, at_s(14.5))->value, 40.0)
+      << "the reading of the middle was under way already";
+  EXPECT_FALSE(history.at("t03_degC", at_s(20), 15, at_s(19.5)));
+}
+
+TEST(ChannelHistory, KnowsSinceWhenADeviceWasReadWhateverItSaid) {
+  ChannelHistory history;
+  EXPECT_FALSE(history.has_reading_since("scanner", at_s(0)));
+  history.add(scan(9, 11, kMissing));
+  EXPECT_TRUE(history.has_reading_since("scanner", at_s(9)));
+  EXPECT_FALSE(history.has_reading_since("scanner", at_s(10)));
+  EXPECT_FALSE(history.has_reading_since("another", at_s(0)));
+}
+
 TEST(ChannelHistory, StaysBounded) {
   ChannelHistory history(4);
   for (int i = 0; i < 1000; ++i) history.add(scan(i, i, i));
