@@ -177,8 +177,7 @@ Awaitable<Result<DatumRecord>> ManualControlService::new_datum_by_hand(RunScope&
   if (description_.load) DRIFTWISE_CO_RETURN_IF_ERROR(co_await loading_.look(bench_));
   DatumOpening opening;
   opening.reason = std::move(reason);
-  DRIFTWISE_CO_TRY(auto before, co_await reader_.points().newest_datum());
-  if (bench_.knows_zeros()) opening.before = std::move(before);
+  DRIFTWISE_CO_TRY(opening.before, co_await reader_.points().newest_datum());
   auto opened = open_datum(scope, std::move(opening));
   co_return co_await std::move(opened);
 }

@@ -105,7 +105,7 @@ std::vector<ChannelValue> compare(const RunScope& scope, const DatumOpening& ope
 Awaitable<Result<std::optional<Reading>>> zeroing_since(RunScope& scope, DatumRecord before) {
   auto& bench = scope.bench;
   auto looking =
-      bench.writer.readings().readings(kZeroDevice, before.opened.utc, bench.clock.now().utc, 1);
+      bench.writer.readings().readings(kZeroDevice, before.opened.utc, bench.clock.now().utc, 0);
   DRIFTWISE_CO_TRY(auto found, co_await std::move(looking));
   if (found.empty()) co_return std::nullopt;
   const double* difference_nm = find_value(found.front().values, "zero_difference_nm");
@@ -248,7 +248,8 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   const bool has_old_zero = old_zero && !zeroing;
   if (!zeroing) {
     std::vector<ChannelValue> comparison;
-    if (has_old_zero && opening.before) {
+    // A zero that went with the process is no old zero to compare with, as after a lost beam.
+    if (has_old_zero && opening.before && bench.devices.knows_zeros()) {
       DRIFTWISE_CO_TRY(const auto slow, co_await join_when_scanned(scope, old_zero->measured.utc));
       comparison = compare(scope, opening, *old_zero, slow);
     }

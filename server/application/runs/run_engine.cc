@@ -294,8 +294,6 @@ Awaitable<Result<void>> RunEngine::bring_force(ActiveRun& run) {
 }
 
 Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
-  // A zero that went with the process is no old zero to compare with, as after a lost beam.
-  if (!bench_.devices.knows_zeros()) wanted_datum_->before.reset();
   DRIFTWISE_CO_TRY(auto datum, co_await open_datum(run.scope, *wanted_datum_));
   run.datum = std::move(datum);
   run.closures.clear();
