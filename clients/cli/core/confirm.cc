@@ -21,17 +21,17 @@ void confirm(const Console& console, bool yes, const std::string& title,
   throw Failure{ExitCode::refused, "cancelled", "DECLINED", "nothing was changed"};
 }
 
-void confirm_rollback(const Console& console, bool yes, const ServedInOrder& served,
+void confirm_rollback(const Console& console, bool yes, const ServedIds& served,
                       const RollbackQuestion& question) {
-  const auto& ids = served.ids();
-  if (ids.empty()) return;
-  confirm(
-      console, yes,
-      question.what + " " + std::to_string(ids.back()) + " serves no longer, for every controller:",
-      ids.size() > 1 ? question.facts_of_return(ids[ids.size() - 2])
-                     : std::vector<std::string>{"no " + question.what + " served before it: " +
-                                                question.none + " until one is promoted"},
-      "Roll back");
+  if (served.ids().empty()) return;
+  const auto before = served.before();
+  confirm(console, yes,
+          question.what + " " + std::to_string(served.ids().back()) +
+              " serves no longer, for every controller:",
+          before ? question.facts_of_return(*before)
+                 : std::vector<std::string>{"no " + question.what + " served before it: " +
+                                            question.none + " until one is promoted"},
+          "Roll back");
 }
 
 }  // namespace driftwise::cli

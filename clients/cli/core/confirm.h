@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clients/cli/core/console.h"
+#include "server/core/records/served_in_order.h"
 
 namespace driftwise::cli {
 
@@ -16,19 +17,7 @@ namespace driftwise::cli {
 void confirm(const Console& console, bool yes, const std::string& title,
              const std::vector<std::string>& facts, const std::string& verb);
 
-// Models or serving plans in service, oldest first, that no rollback has taken back: the last one
-// serves. Made of the history, oldest first.
-class ServedInOrder {
- public:
-  void promoted(std::int64_t id) { served_.push_back(id); }
-  void rolled_back() {
-    if (!served_.empty()) served_.pop_back();
-  }
-  const std::vector<std::int64_t>& ids() const { return served_; }
-
- private:
-  std::vector<std::int64_t> served_;
-};
+using ServedIds = ServedInOrder<std::int64_t>;
 
 // A rollback names nothing, so it shows which one serves no longer and which one serves again.
 struct RollbackQuestion {
@@ -37,7 +26,7 @@ struct RollbackQuestion {
   std::function<std::vector<std::string>(std::int64_t)> facts_of_return;
 };
 // confirm() of a rollback. None serves: nobody is asked, the daemon says that there is none.
-void confirm_rollback(const Console& console, bool yes, const ServedInOrder& served,
+void confirm_rollback(const Console& console, bool yes, const ServedIds& served,
                       const RollbackQuestion& question);
 
 }  // namespace driftwise::cli

@@ -15,6 +15,7 @@ class Promotions {
  public:
   virtual ~Promotions() = default;
 
+  // The model that serves already is answered as it is: nothing is asked, nothing written.
   // confirmed: a person has read ModelGround::promotion_questions. reason: why it serves all the
   // same, kept as a note on the model. Errors: failed_precondition NEEDS_CONFIRMATION, with the
   // questions; REASON_REQUIRED, with those that confirmed alone does not answer.

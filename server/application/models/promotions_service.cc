@@ -5,23 +5,22 @@
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/core/reasons.h"
+#include "server/core/records/served_in_order.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
 
 namespace {
 
-// Which model served before each promotion, oldest first; the last is the one that serves now.
-std::vector<ModelId> served_in_order(const std::vector<PromotionRecord>& history) {
-  std::vector<ModelId> stack;
+ServedInOrder<ModelId> models_served(const std::vector<PromotionRecord>& history) {
+  ServedInOrder<ModelId> served;
   for (const auto& step : history) {
-    if (step.action == "rollback") {
-      if (!stack.empty()) stack.pop_back();
-    } else if (step.model) {
-      stack.push_back(*step.model);
-    }
+    if (step.action == "rollback")
+      served.rolled_back(step.model);
+    else if (step.model)
+      served.promoted(*step.model);
   }
-  return stack;
+  return served;
 }
 
 }  // namespace
@@ -72,7 +71,7 @@ Awaitable<Result<void>> PromotionsService::keep_reason(Caller caller, ModelId id
 Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId id, bool confirmed,
                                                           std::string reason) {
   auto record = co_await models_.get(id);
-  if (!record) co_return record;
+  if (!record || serving_.model() == id) co_return record;  // it serves already
   auto looking = provenance_.ground_of_model(id);
   DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
   if (!confirmed) DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(ground.promotion_questions));
@@ -89,14 +88,13 @@ Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId
 
 Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::served_before() {
   DRIFTWISE_CO_TRY(auto history, co_await reader_.models().promotions());
-  auto stack = served_in_order(history);
-  if (stack.empty())
+  const auto served = models_served(history);
+  if (served.ids().empty())
     co_return fail(ErrorCode::failed_precondition, reasons::kNothingToRollBack,
                    "no model serves: there is none to take back");
-  stack.pop_back();
   std::optional<ModelRecord> previous;
-  if (!stack.empty()) {
-    DRIFTWISE_CO_TRY(auto record, co_await models_.get(stack.back()));
+  if (const auto before = served.before()) {
+    DRIFTWISE_CO_TRY(auto record, co_await models_.get(*before));
     previous = std::move(record);
   }
   co_return previous;

@@ -43,6 +43,7 @@ class Plans {
   // Of a stored plan, or of a text. Errors: those of get() and read_plan_file; what stands against
   // its promotion is the answer.
   virtual Awaitable<Result<PlanReport>> check(std::optional<PlanId> id, std::string text) = 0;
+  // The plan that serves already is answered as it is: nothing is asked, nothing written.
   // confirmed: a person has read the questions. Errors: those of PlanCheck::refusal;
   // NEEDS_CONFIRMATION; PLAN_DAMAGED.
   virtual Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed) = 0;

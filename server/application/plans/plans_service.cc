@@ -8,6 +8,7 @@
 #include "server/application/provenance/promotion_questions.h"
 #include "server/application/provenance/stored_description.h"
 #include "server/core/reasons.h"
+#include "server/core/records/served_in_order.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 #include "server/formats/plan/plan_file.h"
@@ -46,16 +47,15 @@ std::vector<std::string> tools_of(Store& store, const std::vector<RunId>& runs,
   return tools;
 }
 
-std::vector<PlanId> plans_served_in_order(const std::vector<PlanPromotionRecord>& history) {
-  std::vector<PlanId> stack;
+ServedInOrder<PlanId> plans_served(const std::vector<PlanPromotionRecord>& history) {
+  ServedInOrder<PlanId> served;
   for (const auto& step : history) {
-    if (step.action == "rollback") {
-      if (!stack.empty()) stack.pop_back();
-    } else if (step.plan) {
-      stack.push_back(*step.plan);
-    }
+    if (step.action == "rollback")
+      served.rolled_back(step.plan);
+    else if (step.plan)
+      served.promoted(*step.plan);
   }
-  return stack;
+  return served;
 }
 
 std::string plan_name(const std::optional<PlanId>& plan) {
@@ -197,6 +197,7 @@ Awaitable<Result<void>> PlansService::put_in_service(Caller caller, std::optiona
 
 Awaitable<Result<PlanRecord>> PlansService::promote(Caller caller, PlanId id, bool confirmed) {
   DRIFTWISE_CO_TRY(auto record, co_await reader_.plans().plan(id));
+  if (serving_.plan() == id) co_return record;  // it serves already
   auto checking = check(id, {});
   DRIFTWISE_CO_TRY(const auto report, co_await std::move(checking));
   if (const auto refusal = report.check.refusal(); !refusal) {
@@ -217,14 +218,13 @@ Awaitable<Result<PlanRecord>> PlansService::promote(Caller caller, PlanId id, bo
 
 Awaitable<Result<std::optional<PlanRecord>>> PlansService::roll_back(Caller caller) {
   DRIFTWISE_CO_TRY(const auto history, co_await reader_.plans().plan_promotions());
-  auto stack = plans_served_in_order(history);
-  if (stack.empty())
+  const auto served = plans_served(history);
+  if (served.ids().empty())
     co_return fail(ErrorCode::failed_precondition, reasons::kNothingToRollBack,
                    "no plan serves: there is none to take back");
-  stack.pop_back();
   std::optional<PlanRecord> previous;
-  if (!stack.empty()) {
-    DRIFTWISE_CO_TRY(auto record, co_await reader_.plans().plan(stack.back()));
+  if (const auto before = served.before()) {
+    DRIFTWISE_CO_TRY(auto record, co_await reader_.plans().plan(*before));
     previous = std::move(record);
   }
   auto putting = put_in_service(std::move(caller), previous, "rollback");

@@ -75,6 +75,29 @@ TEST_F(ModelCommandsTest, ARollbackSaysWhatItPutsBackAndAsks) {
   EXPECT_THAT(run({"model", "rollback"}).err, HasSubstr("there is none to take back"));
 }
 
+TEST_F(ModelCommandsTest, APromotionOfTheModelThatServesChangesNothing) {
+  EXPECT_EQ(run({"model", "promote", "1", "--yes"}).exit, 0);
+  const auto again = run({"model", "promote", "1"});
+  EXPECT_EQ(again.exit, 0) << again.err;
+  EXPECT_EQ(again.out, "model 1 serves already: nothing was changed\n");
+  EXPECT_EQ(json({"model", "promote", "1"})["serves_already"], true);
+  EXPECT_EQ(json({"model", "history"})["promotions"].size(), 1U);
+}
+
+// Earlier versions recorded every promotion, also of the model that served.
+TEST_F(ModelCommandsTest, ARollbackPassesOverARepeatedPromotion) {
+  cell.add_model("q ~ x");
+  EXPECT_EQ(run({"model", "promote", "1", "--yes"}).exit, 0);
+  EXPECT_EQ(run({"model", "promote", "2", "--yes"}).exit, 0);
+  cell.on_store([](Store& store) {
+    ASSERT_TRUE(store.models().add_promotion({ModelId{2}, kWorldBegin, "ada", "promote"}));
+  });
+  const auto asked = run({"model", "rollback"});
+  EXPECT_THAT(asked.err, HasSubstr("model 2 serves no longer"));
+  EXPECT_THAT(asked.err, HasSubstr("model 1 serves again: q ~ x + T\n"));
+  EXPECT_THAT(run({"model", "rollback", "--yes"}).out, HasSubstr("model 1 serves now"));
+}
+
 // A model that rests on a correction that was taken back since.
 TEST_F(ModelCommandsTest, APromotionWithAQuestionAsks) {
   cell.on_store([](Store& store) {

@@ -112,10 +112,18 @@ ExitCode serving_now(const Session& session, bool any, const v1::Model& model) {
 
 ExitCode promote(const Session& session, const ModelArguments& a) {
   const auto connection = session.connect();
+  v1::GetModelRequest asked;
+  asked.set_model_id(a.id);
+  const auto page = connection.ask(&ModelStub::GetModel, asked);
+  if (page.model().serving()) {
+    if (session.console.json)
+      session.console.print_json({{"serves_already", true}, {"model", json_from(page.model())}});
+    else
+      session.console.out << "model " << a.id << " serves already: nothing was changed\n";
+    return ExitCode::done;
+  }
   if (a.dry_run) {
-    v1::GetModelRequest request;
-    request.set_model_id(a.id);
-    const auto model = connection.ask(&ModelStub::GetModel, request).model();
+    const auto& model = page.model();
     if (session.console.json)
       session.console.print_json({{"dry_run", true}, {"model", json_from(model)}});
     else {
@@ -126,9 +134,6 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
     }
     return ExitCode::done;
   }
-  v1::GetModelRequest asked;
-  asked.set_model_id(a.id);
-  const auto page = connection.ask(&ModelStub::GetModel, asked);
   std::vector<std::string> facts(page.promotion_questions().begin(),
                                  page.promotion_questions().end());
   if (!page.questions_for_a_reason().empty() && a.reason.empty())
@@ -146,11 +151,11 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   return serving_now(session, true, connection.ask(&ModelStub::PromoteModel, request).model());
 }
 
-ServedInOrder served_models(const v1::ListPromotionsResponse& oldest_first) {
-  ServedInOrder served;
+ServedIds served_models(const v1::ListPromotionsResponse& oldest_first) {
+  ServedIds served;
   for (const auto& one : oldest_first.promotions()) {
     if (one.action() == v1::Promotion::ACTION_ROLLBACK)
-      served.rolled_back();
+      served.rolled_back(one.has_model_id() ? std::optional(one.model_id()) : std::nullopt);
     else if (one.has_model_id())
       served.promoted(one.model_id());
   }

@@ -142,6 +142,16 @@ ExitCode check_one(const Session& session, const std::string& what) {
 
 ExitCode promote_plan(const Session& session, const ServingPlanArguments& a) {
   const auto connection = session.connect();
+  v1::GetPlanRequest looked_at;
+  looked_at.set_plan_id(a.id);
+  const auto present = connection.ask(&PlanStub::GetPlan, looked_at).plan();
+  if (present.serves()) {
+    if (session.console.json)
+      session.console.print_json(json_from(present));
+    else
+      session.console.out << "plan " << a.id << " serves already: nothing was changed\n";
+    return ExitCode::done;
+  }
   v1::CheckPlanRequest asked;
   asked.set_plan_id(a.id);
   const auto check = connection.ask(&PlanStub::CheckPlan, asked, 60);
@@ -171,8 +181,8 @@ ExitCode promote_plan(const Session& session, const ServingPlanArguments& a) {
 }
 
 // The history is that of all plans, whichever is asked for.
-ServedInOrder served_plans(const Connection& connection) {
-  ServedInOrder served;
+ServedIds served_plans(const Connection& connection) {
+  ServedIds served;
   const auto list = connection.ask(&PlanStub::ListPlans, v1::ListPlansRequest{});
   if (list.plans().empty()) return served;
   v1::GetPlanRequest any;
@@ -180,7 +190,7 @@ ServedInOrder served_plans(const Connection& connection) {
   const auto page = connection.ask(&PlanStub::GetPlan, any);
   for (const auto& one : page.promotions()) {
     if (one.rollback())
-      served.rolled_back();
+      served.rolled_back(one.has_plan_id() ? std::optional(one.plan_id()) : std::nullopt);
     else if (one.has_plan_id())
       served.promoted(one.plan_id());
   }

@@ -336,6 +336,19 @@ TEST_F(ServingTest, RollBackServesTheModelBefore) {
   EXPECT_FALSE(cell.status().serving);
 }
 
+TEST_F(ServingTest, APromotionOfTheModelThatServesAlreadyWritesNothing) {
+  const auto model = fit_after_campaign();
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
+  const auto before = *cell.await(cell->records.models().promotions());
+  const auto again = cell.await(cell->promotions.promote(cell.ada, model.id, false));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->id, model.id);
+  EXPECT_EQ(cell.await(cell->records.models().promotions())->size(), before.size());
+  const auto none = cell.await(cell->promotions.roll_back(cell.ada));
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(*none) << "one promotion is taken back by one rollback";
+}
+
 TEST_F(ServingTest, TheSameFitAgainIsTheSameModel) {
   const auto model = fit_after_campaign();
   application::FitRequest fit;

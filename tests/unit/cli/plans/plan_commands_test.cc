@@ -54,6 +54,21 @@ TEST_F(PlanCommandsTest, ARollbackSaysWhatItPutsBackAndAsks) {
   EXPECT_TRUE(serves(1));
 }
 
+TEST_F(PlanCommandsTest, ARepeatedPromotionIsNoStepOfARollback) {
+  promote("1");
+  promote("2");
+  const auto again = run({"plan", "promote", "2"});
+  EXPECT_EQ(again.exit, 0) << again.err;
+  EXPECT_EQ(again.out, "plan 2 serves already: nothing was changed\n");
+  cell.on_store([](Store& store) {  // as earlier versions recorded it
+    ASSERT_TRUE(
+        store.plans().add_plan_promotion({PlanId{2}, kWorldBegin, "ada", "here", "promote"}));
+  });
+  EXPECT_THAT(run({"plan", "rollback"}).err, HasSubstr("plan 1 'first' serves again"));
+  EXPECT_THAT(run({"plan", "rollback", "--yes"}).out, HasSubstr("plan 1 'first'"));
+  EXPECT_TRUE(serves(1));
+}
+
 TEST_F(PlanCommandsTest, ARollbackOfTheFirstPlanSaysThatNoneServesThen) {
   promote("1");
   EXPECT_THAT(run({"plan", "rollback"}).err,
