@@ -50,26 +50,30 @@ void finish(ComparedSeries series, std::vector<ComparedSeries>& into) {
   into.push_back(std::move(series));
 }
 
-bool is_length_unit(const Channel& channel) { return channel.unit == "mm"; }
-
 // std columns of a run's points carry a unit of their own and no pose symbol.
 bool is_pose(const Channel& channel) { return is_pose_symbol(channel.symbol); }
 
 bool is_motor(const Channel& channel) { return is_motor_symbol(without_robot(channel.symbol)); }
 
-// Way of the one axis from its datum's zero, mm, row by row. With one axis and one length the axis'
+// A spread of repeats is no temperature.
+bool is_compared_temperature(const Channel& channel) {
+  return (channel.unit == "degC" || channel.unit == "K") && !channel.symbol.ends_with("_std");
+}
+
+// Way of the one axis from its datum's zero, nm, row by row. With one axis and one length the axis'
 // own holding error is no error of the return; with several the geometry decides what it moves.
 class WayOfAxis {
  public:
   WayOfAxis(const Dataset& data, std::span<const DatumRecord> datums) : data_(data) {
     int lengths = 0, motors = 0;
     for (const auto& column : data.columns) {
-      if (is_pose(column.channel) && is_length_unit(column.channel)) ++lengths;
+      if (is_pose(column.channel) && is_length(column.channel.unit)) ++lengths;
       if (!is_motor(column.channel)) continue;
       ++motors;
       axis_ = &column;
     }
-    if (lengths != 1 || motors != 1) axis_ = nullptr;
+    if (lengths != 1 || motors != 1 || !is_length(axis_->channel.unit)) axis_ = nullptr;
+    if (axis_ != nullptr) nm_per_unit_ = summary_unit(axis_->channel.unit).factor;
     for (const auto& datum : datums)
       if (const double* zero = axis_ ? find_value(datum.values, axis_->channel.name()) : nullptr)
         zero_of_[datum.id.value] = *zero;
@@ -77,12 +81,13 @@ class WayOfAxis {
   double at(std::size_t row) const {
     if (axis_ == nullptr) return 0;
     const auto zero = data_.datum.empty() ? zero_of_.end() : zero_of_.find(data_.datum[row]);
-    return axis_->values[row] - (zero == zero_of_.end() ? 0 : zero->second);
+    return (axis_->values[row] - (zero == zero_of_.end() ? 0 : zero->second)) * nm_per_unit_;
   }
 
  private:
   const Dataset& data_;
   const DatasetColumn* axis_ = nullptr;
+  double nm_per_unit_ = 0;
   std::map<std::int64_t, double> zero_of_;
 };
 
@@ -93,21 +98,20 @@ void add_measured(const Dataset& data, std::span<const DatumRecord> datums, Comp
   const WayOfAxis way(data, datums);
   for (const auto& column : data.columns) {
     const bool pose = is_pose(column.channel);
-    const bool temperature = column.channel.unit == "degC";
-    if (!pose && !temperature) continue;
-    const double scale = pose && is_length_unit(column.channel) ? 1e6 : 1;
+    if (!pose && !is_compared_temperature(column.channel)) continue;
+    const bool length = pose && is_length(column.channel.unit);
+    const SummaryUnit summary = summary_unit(column.channel.unit);
     ComparedSeries series;
     series.name = column.channel.symbol;
-    series.unit = temperature ? "K" : is_length_unit(column.channel) ? "nm" : column.channel.unit;
+    series.unit = pose ? summary.unit : "K";
     double first = kMissing;
     for (std::size_t row = 0; row < data.rows; ++row) {
       if (pose && (data.zero.empty() || data.zero[row] == 0)) continue;
-      const bool is_length = pose && is_length_unit(column.channel);
-      const double value = column.values[row] - (is_length ? way.at(row) : 0);
+      const double value = column.values[row] * summary.factor - (length ? way.at(row) : 0);
       if (is_missing(value)) continue;
       if (is_missing(first)) first = value;
       series.hours.push_back((data.time_s[row] - data.time_s.front()) / 3600);
-      series.values.push_back((value - first) * scale);
+      series.values.push_back(value - first);
     }
     finish(std::move(series), pose ? out.zero : out.temperatures);
   }
@@ -122,7 +126,7 @@ void add_residuals(const ModelResiduals& residuals, ComparedRun& out) {
   for (const auto& output : residuals.outputs) {
     ComparedSeries series;
     series.name = output.channel.symbol;
-    series.unit = output.channel.unit == "mm" ? "nm" : output.channel.unit;
+    series.unit = summary_unit(output.channel.unit).unit;
     for (std::size_t row = 0; row < data.rows; ++row) {
       if (is_missing(output.values[row])) continue;
       series.hours.push_back((data.time_s[row] - data.time_s.front()) / 3600);

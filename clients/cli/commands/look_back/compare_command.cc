@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 
 #include "clients/cli/commands/look_back/look_back_commands.h"
@@ -18,16 +19,15 @@ struct CompareArguments {
 using SeriesOf =
     google::protobuf::RepeatedPtrField<v1::ComparedSeries> const& (v1::ComparedRun::*)() const;
 
-// One row per quantity that any of the runs has, two columns per run.
+// One row per quantity and unit that any of the runs has, two columns per run.
 void print_block(const Console& console, const v1::CompareRunsResponse& response,
                  const std::string& title, SeriesOf series, const char* first, bool is_rate) {
   std::vector<std::pair<std::string, std::string>> names;  // with its unit
   for (const auto& run : response.runs())
     for (const auto& one : (run.*series)())
-      if (std::find_if(names.begin(), names.end(), [&one](const auto& known) {
-            return known.first == one.name();
-          }) == names.end())
-        names.emplace_back(one.name(), one.unit());
+      if (const std::pair shown{one.name(), one.unit()};
+          std::ranges::find(names, shown) == names.end())
+        names.push_back(shown);
   if (names.empty()) return;
   std::vector<Table::Column> columns{{title}};
   for (const auto& run : response.runs()) {
@@ -42,7 +42,7 @@ void print_block(const Console& console, const v1::CompareRunsResponse& response
     for (const auto& run : response.runs()) {
       const v1::ComparedSeries* found = nullptr;
       for (const auto& one : (run.*series)())
-        if (one.name() == name) found = &one;
+        if (one.name() == name && one.unit() == unit) found = &one;
       row.push_back(found ? fixed(found->range(), digits) : "-");
       row.push_back(
           !found    ? "-"

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <string>
+#include <utility>
+
 namespace driftwise::application {
 namespace {
 
@@ -59,6 +62,64 @@ TEST(ComparedRun, TakesLengthsAsTheyAreWhereSeveralAxesMove) {
   add_measured(data, datums(), run);
   ASSERT_EQ(run.zero.size(), 1u);
   EXPECT_THAT(run.zero[0].values, ElementsAre(near(0), near(-47), near(-11), near(-28)));
+}
+
+// The same run with its axis and its length in another unit.
+class ComparedUnit : public testing::TestWithParam<std::pair<const char*, double>> {};
+
+TEST_P(ComparedUnit, GivesReturnsInNanometres) {
+  const auto [unit, per_mm] = GetParam();
+  auto data = axis_data();
+  for (auto& column : data.columns) {
+    if (column.channel.unit != "mm") continue;
+    column.channel.unit = unit;
+    for (double& value : column.values) value *= per_mm;
+  }
+  auto zeros = datums();
+  for (auto& datum : zeros)
+    for (auto& value : datum.values)
+      value = {value.channel.substr(0, value.channel.find('_') + 1) + unit, value.value * per_mm};
+  ComparedRun run;
+  add_measured(data, zeros, run);
+  ASSERT_EQ(run.zero.size(), 1u);
+  EXPECT_EQ(run.zero[0].unit, "nm");
+  EXPECT_THAT(run.zero[0].values, ElementsAre(near(0), near(3), near(9), near(2)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, ComparedUnit,
+                         testing::Values(std::pair{"m", 1e-3}, std::pair{"mm", 1.0},
+                                         std::pair{"um", 1e3}, std::pair{"nm", 1e6}),
+                         [](const auto& unit) { return std::string(unit.param.first); });
+
+TEST(ComparedRun, GivesRotationsInSecondsOfArcAndTemperaturesInKelvin) {
+  auto data = axis_data();
+  data.columns = {{{"rx", "deg"}, {0, 0, 1, 2, 3, 0}},
+                  {{"ry", "rad"}, {0, 0, 1e-6, 2e-6, 3e-6, 0}},
+                  {{"t07", "K"}, {293, 293, 294, 294, 295, 295}},
+                  {{"t07_std", "K"}, {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}}};
+  ComparedRun run;
+  add_measured(data, {}, run);
+  ASSERT_EQ(run.zero.size(), 2u);
+  EXPECT_EQ(run.zero[0].unit, "arcsec");
+  EXPECT_NEAR(run.zero[0].range, 3 * 3600, 1e-6);
+  EXPECT_EQ(run.zero[1].unit, "arcsec");
+  EXPECT_NEAR(run.zero[1].range, 3 * 0.206265, 1e-5);
+  ASSERT_EQ(run.temperatures.size(), 1u) << "a spread is no temperature";
+  EXPECT_EQ(run.temperatures[0].name, "t07");
+  EXPECT_EQ(run.temperatures[0].unit, "K");
+  EXPECT_DOUBLE_EQ(run.temperatures[0].range, 2);
+}
+
+TEST(ComparedRun, NamesTheUnitThatResidualsAreIn) {
+  ModelResiduals residuals;
+  residuals.data = axis_data();
+  residuals.outputs = {{{"q1", "um"}, std::vector<double>(6, 4.0), {}},
+                       {{"q2", "rad"}, std::vector<double>(6, 4.0), {}}};
+  ComparedRun run;
+  add_residuals(residuals, run);
+  ASSERT_EQ(run.residuals.size(), 2u);
+  EXPECT_EQ(run.residuals[0].unit, "nm");
+  EXPECT_EQ(run.residuals[1].unit, "arcsec");
 }
 
 TEST(ComparedRun, HasNoRateOfFewerThanThreeValues) {
