@@ -101,7 +101,40 @@ Channel channel_of(Session& session, std::int64_t id) {
   return *std::move(channel);
 }
 
+// Of each column, the runs that have it, in the order in which they were named.
+using RunsOfColumns = std::vector<std::vector<RunId>>;
+
+// The first of these runs that is not among the others; the first of all where each is.
+RunId run_apart(const std::vector<RunId>& runs, const std::vector<RunId>& others) {
+  const auto apart = std::ranges::find_if(
+      runs, [&others](const RunId run) { return std::ranges::find(others, run) == others.end(); });
+  return apart == runs.end() ? runs.front() : *apart;
+}
+
+std::string unit_of_run(RunId run, const Channel& channel) {
+  return "run " + std::to_string(run.value) + " gives " + channel.symbol + " in " + channel.unit;
+}
+
+// A fit takes one column of a symbol: rows of runs in another unit would be without a value. Runs
+// that all measured the symbol in both units are left as they are.
+void require_one_unit(const Dataset& dataset, const RunsOfColumns& runs_of) {
+  std::unordered_map<std::string_view, std::size_t> first_of;  // by symbol
+  for (std::size_t i = 0; i < dataset.columns.size(); ++i) {
+    const Channel& channel = dataset.columns[i].channel;
+    const std::size_t first = first_of.try_emplace(channel.symbol, i).first->second;
+    if (runs_of[first] == runs_of[i]) continue;
+    throw_failure(
+        ErrorCode::invalid_argument, reasons::kUnitsDisagree,
+        unit_of_run(run_apart(runs_of[first], runs_of[i]), dataset.columns[first].channel) + ", " +
+            unit_of_run(run_apart(runs_of[i], runs_of[first]), channel) +
+            ": expected each quantity in one unit of all runs that are taken together; import the "
+            "file of one of them in the other's unit (a mapping file converts: docs/import.md), or "
+            "name runs of one unit");
+  }
+}
+
 // Values by columns; ids: the columns wanted, in order, none: every channel that the runs have.
+// Errors: invalid_argument UNITS_DISAGREE (one symbol in two units, of different runs).
 void read_columns(Session& session, std::span<const RunId> runs,
                   const std::vector<DatasetRow>& rows, const std::vector<std::int64_t>& ids,
                   Dataset& dataset) {
@@ -109,12 +142,15 @@ void read_columns(Session& session, std::span<const RunId> runs,
   row_of.reserve(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) row_of[rows[i].point_id] = i;
 
+  RunsOfColumns runs_of;
   std::unordered_map<std::int64_t, std::size_t> column_of;
   const auto column = [&](std::int64_t id) {
     const auto [found, is_new] = column_of.try_emplace(id, dataset.columns.size());
-    if (is_new)
+    if (is_new) {
       dataset.columns.push_back(
           {channel_of(session, id), std::vector<double>(rows.size(), kMissing)});
+      runs_of.emplace_back();
+    }
     return found->second;
   };
   for (const std::int64_t id : ids) column(id);
@@ -133,10 +169,13 @@ void read_columns(Session& session, std::span<const RunId> runs,
         point_id = query.integer(0);
         row = row_of.at(point_id);
       }
-      dataset.columns[column(query.integer(1))].values[row] = query.real(2);
+      const std::size_t at = column(query.integer(1));
+      dataset.columns[at].values[row] = query.real(2);
+      if (runs_of[at].empty() || runs_of[at].back() != run) runs_of[at].push_back(run);
     }
     query.restart();
   }
+  if (runs.size() > 1) require_one_unit(dataset, runs_of);
 }
 
 void sort_columns(Dataset& dataset) {

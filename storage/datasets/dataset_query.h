@@ -10,7 +10,7 @@
 namespace driftwise::storage {
 
 // The rules stand at RunStore::dataset. runs: at least one, each once: else invalid_argument
-// BAD_RUNS.
+// BAD_RUNS. Runs in units that differ: invalid_argument UNITS_DISAGREE.
 Dataset read_dataset(Session& session, std::span<const RunId> runs);
 
 }  // namespace driftwise::storage

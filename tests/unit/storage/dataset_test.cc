@@ -183,6 +183,29 @@ TEST_F(DatasetTest, PutsAnImportedRunBehindAMeasuredOne) {
   EXPECT_EQ(names(dataset).front(), "q1_mm");
 }
 
+TEST_F(DatasetTest, RefusesRunsThatGiveOneSymbolInTwoUnits) {
+  const auto imported = [&](std::vector<DatasetColumn> columns) {
+    Dataset file;
+    file.rows = 2;
+    file.columns = std::move(columns);
+    return store->runs().import_dataset(import_run(), file).value().id;
+  };
+  const RunId um = imported({{{"q1", "um"}, {0, 1}}, {{"x", "um"}, {0, 1}}});
+  const RunId mixed = imported({{{"q1", "um"}, {0, 1}}, {{"x", "mm"}, {0, 1}}});
+  const RunId both = imported({{{"x", "um"}, {0, 1}}, {{"x", "V"}, {0, 1}}});
+  const RunId same = imported({{{"x", "um"}, {2, 3}}, {{"x", "V"}, {2, 3}}});
+  const auto refused = store->runs().dataset(std::vector{um, mixed});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::invalid_argument);
+  EXPECT_EQ(refused.error().reason, "UNITS_DISAGREE");
+  EXPECT_THAT(refused.error().message,
+              testing::StartsWith("run 2 gives x in um, run 3 gives x in mm: "));
+  EXPECT_THAT(store->runs().dataset(std::vector{um, both}).error().message,
+              testing::StartsWith("run 2 gives x in um, run 4 gives x in V: "));
+  EXPECT_TRUE(store->runs().dataset(std::vector{mixed})) << "alone as in its file";
+  EXPECT_TRUE(store->runs().dataset(std::vector{both, same})) << "each quantity is in all rows";
+}
+
 TEST_F(DatasetTest, ImportsNothingOfATableWithUnequalColumns) {
   Dataset file;
   file.rows = 2;
