@@ -82,7 +82,16 @@ std::vector<std::string> Backups::present() const {
       paths.push_back(path.string());
   }
   std::ranges::sort(paths);
+  // Made while the clock of the computer was ahead: how old it is cannot be told, so it is the
+  // oldest. Else no other one would be due until that instant, and none would be kept beside it.
+  const auto now = clock_.utc(clock_.now().utc);
+  std::ranges::stable_partition(
+      paths, [&](const std::string& path) { return now < instant_of(instant_in(path)); });
   return paths;
+}
+
+std::string Backups::instant_in(const std::string& path) const {
+  return fs::path(path).stem().string().substr(stem().size());
 }
 
 Awaitable<Result<RecordCopy>> Backups::make(const Caller* by) {
@@ -136,9 +145,10 @@ Awaitable<void> Backups::make_if_due() {
   if (rules_.every_h <= 0 || under_way_ || now < next_try_) co_return;
   const auto paths = present();
   if (!paths.empty()) {
-    const std::string name = fs::path(paths.back()).stem().string().substr(stem().size());
-    const auto since = now - clock_.cell_time(instant_of(name));
-    if (seconds_from(since) < rules_.every_h * 3600) co_return;
+    const auto made = instant_of(instant_in(paths.back()));
+    const bool is_before_now = !(clock_.utc(now) < made);
+    if (is_before_now && seconds_from(now - clock_.cell_time(made)) < rules_.every_h * 3600)
+      co_return;
   }
   const auto made = co_await make(nullptr);
   if (made) co_return;

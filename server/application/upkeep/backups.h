@@ -30,11 +30,13 @@ class Backups {
   // By the schedule, where one is due; called every now and then.
   Awaitable<void> make_if_due();
   std::vector<AlarmCondition> conditions() const;
-  std::vector<std::string> present() const;  // paths, oldest first
+  // Paths, oldest first; before them all those whose instant is still to come.
+  std::vector<std::string> present() const;
 
  private:
   std::string folder() const;
   std::string stem() const;
+  std::string instant_in(const std::string& path) const;  // "20261122-093000"
   void remove_oldest();
 
   Clock& clock_;

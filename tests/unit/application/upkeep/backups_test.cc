@@ -75,6 +75,16 @@ TEST_F(BackupsInACell, ThatFailAreAnAlarmUntilOneIsMade) {
   EXPECT_THAT(files(".db"), testing::Not(IsEmpty()));
 }
 
+TEST_F(BackupsInACell, ABackupOfAClockThatWasAheadKeepsNoOtherFromBeingMade) {
+  fs::create_directories(folder / "kept");
+  std::ofstream(folder / "kept/cell-20990101-000000.db") << "made while the computer was in 2099";
+  auto& running = cell({folder / "kept", 2, 2});
+  running.pass(9 * 3600);
+  EXPECT_THAT(running.events_named("backup.made"), SizeIs(testing::Ge(4)));
+  ASSERT_THAT(files(".db"), SizeIs(2));
+  EXPECT_THAT(files(".db"), testing::Each(testing::Not(HasSubstr("2099")))) << "it is the oldest";
+}
+
 // The name of the backup is longer than a file system takes, so that nobody can say whether there
 // is such a file: as in a folder that cannot be searched, which root would search all the same.
 TEST_F(BackupsInACell, ThatCannotBeLookedForAreAnAlarmAndAreTriedAgain) {
