@@ -39,6 +39,7 @@ struct SetUp {
 const SetUp kFirst{"first", {"x", "ry", "rz"}, 1, 40};
 const SetUp kSecond{"second", {"y", "rx", "ry"}, 2, -30};
 const SetUp kThird{"third", {"z"}, 3, 20};
+const SetUp kFirstAgain{"again", {"x", "ry", "rz"}, 5, -20};
 const SetUp kAll{"all", {"x", "y", "z", "rx", "ry", "rz"}, 4, 40};
 
 struct GridPoint {
@@ -214,8 +215,7 @@ TEST(DatasetJoin, SaysWhereEachCoordinateComesFromAndChecksTheOneThatWasSeenTwic
 // A length that two sessions measured is a check, whether or not a stage corrects it by the angles
 // of both: here the second one's scale is 100 ppm off.
 TEST(DatasetJoin, ChecksALengthThatTwoSessionsMeasuredBehindTheirCorrection) {
-  const SetUp again{"again", {"x", "ry", "rz"}, 5, -20};
-  JoinParts parts = {measured(kFirst), measured(again), measured(kThird)};
+  JoinParts parts = {measured(kFirst), measured(kFirstAgain), measured(kThird)};
   for (const char* symbol : {"x", "x_path"})
     for (double& value : column(parts[1], symbol).values) value *= 1 + 100e-6;
   const auto joined = join(parts, {});
