@@ -3,16 +3,19 @@ import { Code, ConnectError } from '@connectrpc/connect';
 import { confirm, type Question } from '@/ui/confirm';
 
 export interface Served {
-  id?: bigint; // absent: none served after a rollback
+  id?: bigint; // what served from then on; absent: none
   rollback: boolean;
 }
 
-// The one that serves, and the one after taking the newest promotion back: promotions and rollbacks as a stack, oldest first.
+// The one that serves, and the one after taking the newest promotion back: promotions and rollbacks as a stack, oldest first. A repeated
+// promotion is in it once, and a rollback goes back to the one that it names, as the daemon counts them.
 export function servedBefore(history: readonly Served[]): { now?: bigint; before?: bigint } {
   const stack: bigint[] = [];
   for (const one of history) {
-    if (one.rollback) stack.pop();
-    else if (one.id !== undefined) stack.push(one.id);
+    if (one.rollback) {
+      while (stack.length > 0 && stack.at(-1) !== one.id) stack.pop();
+      if (stack.length === 0 && one.id !== undefined) stack.push(one.id);
+    } else if (one.id !== undefined && one.id !== stack.at(-1)) stack.push(one.id);
   }
   return { now: stack.at(-1), before: stack.at(-2) };
 }

@@ -12,12 +12,17 @@ import { headline, isWhole, parameterText, parameterWords, sentenceCase, turnLin
 import { contributionError, logScale } from '@/views/models/terms';
 
 const promoted = (id: bigint) => ({ id, rollback: false });
-const back = { rollback: true };
+const backTo = (id?: bigint) => ({ id, rollback: true });
 
 describe('which model served before', () => {
   it('counts promotions and rollbacks as a stack', () => {
-    expect(servedBefore([promoted(1n), promoted(2n), back, promoted(3n)])).toEqual({ now: 3n, before: 1n });
-    expect(servedBefore([promoted(1n), back])).toEqual({ now: undefined, before: undefined });
+    expect(servedBefore([promoted(1n), promoted(2n), backTo(1n), promoted(3n)])).toEqual({ now: 3n, before: 1n });
+    expect(servedBefore([promoted(1n), backTo()])).toEqual({ now: undefined, before: undefined });
+  });
+
+  it('passes over a repeated promotion, and over the rollback from one to the same', () => {
+    expect(servedBefore([promoted(1n), promoted(2n), promoted(2n)])).toEqual({ now: 2n, before: 1n });
+    expect(servedBefore([promoted(1n), promoted(2n), promoted(2n), backTo(2n)])).toEqual({ now: 2n, before: 1n });
   });
 });
 

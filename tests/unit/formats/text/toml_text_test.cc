@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 
 // Levels that overflow the stack of a thread in toml++ 3.3.0.
-constexpr int kFatal = 32500;
+constexpr int kFatalLevels = 32500;
 
 std::string times(int count, const std::string& text) {
   std::string out;
@@ -48,28 +48,28 @@ TEST_P(DeepToml, IsRefusedBeforeItOverflowsTheStack) {
 INSTANTIATE_TEST_SUITE_P(
     Table, DeepToml,
     testing::Values(
-        Deep{"dotted_key", dotted(kFatal) + " = 1"},
-        Deep{"dotted_key_with_blanks", times(kFatal, "a \t. ") + "a = 1"},
-        Deep{"dotted_key_of_quoted_parts", times(kFatal, "\"a.b\".'c#'.") + "a = 1"},
-        Deep{"header", "[" + dotted(kFatal) + "]\n"},
-        Deep{"header_of_an_array", "[[" + dotted(kFatal) + "]]\n"},
+        Deep{"dotted_key", dotted(kFatalLevels) + " = 1"},
+        Deep{"dotted_key_with_blanks", times(kFatalLevels, "a \t. ") + "a = 1"},
+        Deep{"dotted_key_of_quoted_parts", times(kFatalLevels, "\"a.b\".'c#'.") + "a = 1"},
+        Deep{"header", "[" + dotted(kFatalLevels) + "]\n"},
+        Deep{"header_of_an_array", "[[" + dotted(kFatalLevels) + "]]\n"},
         Deep{"header_and_key", "[" + dotted(60) + "]\n" + dotted(60) + " = 1\n"},
-        Deep{"lists", "a = " + times(kFatal, "[") + times(kFatal, "]")},
-        Deep{"tables_in_braces", times(kFatal, "a = {") + times(kFatal, "}")},
+        Deep{"lists", "a = " + times(kFatalLevels, "[") + times(kFatalLevels, "]")},
+        Deep{"tables_in_braces", times(kFatalLevels, "a = {") + times(kFatalLevels, "}")},
         // 200 levels of values pass toml++'s own limit of 256: 20000 with their keys.
         Deep{"dotted_keys_in_braces", times(200, dotted(100) + " = {") + "a = 1" + times(200, "}")},
         Deep{"dotted_keys_in_lists",
              "a = " + times(100, "[{" + dotted(100) + " = ") + "1" + times(100, "}]")},
-        Deep{"key_after_a_comment", "# it's \"open\n" + dotted(kFatal) + " = 1"},
+        Deep{"key_after_a_comment", "# it's \"open\n" + dotted(kFatalLevels) + " = 1"},
         Deep{"key_after_strings",
              "a = \"\"\"\"x\"\"\"\"\"\nb = '''it's'''''\nc = \"\\\"\"\nd = ''\ne = 'C:\\'\n[t]\n" +
-                 dotted(kFatal) + " = 1"},
+                 dotted(kFatalLevels) + " = 1"},
         Deep{"key_after_a_list",
-             "l = [\n  1.5, # one ] \"\n  2.5,\n]\n" + dotted(kFatal) + " = 1"}),
+             "l = [\n  1.5, # one ] \"\n  2.5,\n]\n" + dotted(kFatalLevels) + " = 1"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(ParseToml, NamesFileLineAndColumnOfADeepKey) {
-  EXPECT_THAT(refusal("a = 1\n\n" + dotted(kFatal) + " = 1"),
+  EXPECT_THAT(refusal("a = 1\n\n" + dotted(kFatalLevels) + " = 1"),
               testing::StartsWith("f.toml:3:200: "));
 }
 
@@ -117,7 +117,7 @@ TEST(ParseToml, NamesASyntaxErrorAsBefore) {
 }
 
 TEST(EveryTomlReader, RefusesDeepKeysWithFileAndLine) {
-  const std::string text = "\n" + dotted(kFatal) + " = 1\n";
+  const std::string text = "\n" + dotted(kFatalLevels) + " = 1\n";
   const auto check = [](const auto& read) {
     ASSERT_FALSE(read);
     EXPECT_EQ(read.error().reason, "TOML_SYNTAX");
