@@ -155,13 +155,15 @@ class GuardedHandler final : public grpc::internal::MethodHandler {
 
   void RunHandler(const HandlerParameter& parameter) override {
     auto* context = dynamic_cast<CallContext*>(parameter.server_context);
-    if (context != nullptr && checks_texts_ && parameter.request != nullptr) {
+    const auto is_allowed = [context] {
+      return context != nullptr && context->who() && !context->refused();
+    };
+    if (is_allowed() && checks_texts_ && parameter.request != nullptr) {
       // Generated messages have Message as their one base: the pointer is the same.
       const auto* request = static_cast<const google::protobuf::Message*>(parameter.request);
       if (const auto good = check_texts(*request); !good) context->refuse(to_status(good.error()));
     }
-    if (context != nullptr && context->who() && !context->refused())
-      return inner_.RunHandler(parameter);
+    if (is_allowed()) return inner_.RunHandler(parameter);
     inner_.RunHandler({parameter.call, parameter.server_context, parameter.request,
                        grpc::Status(grpc::StatusCode::PERMISSION_DENIED, ""),
                        parameter.internal_data, parameter.call_requester});

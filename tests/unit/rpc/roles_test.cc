@@ -257,6 +257,21 @@ TEST_F(Roles, BelowAdminReadTheCellFileWithoutItsSecrets) {
   }
 }
 
+TEST_F(Roles, AreAskedBeforeTheLengthOfTexts) {
+  const auto reason_for = [&](const std::string& token) {
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer " + token);
+    v1::RevokeTokenRequest request;
+    request.set_id(std::string(20'000, 'x'));
+    v1::RevokeTokenResponse response;
+    return rpc::to_error(v1::AccessService::Stub(channel).RevokeToken(&context, request, &response))
+        .reason;
+  };
+  EXPECT_EQ(reason_for(tokens[access::Role::viewer]), "NEEDS_ROLE");
+  EXPECT_EQ(reason_for("dwt_nobody"), "BAD_TOKEN");
+  EXPECT_EQ(reason_for(tokens[access::Role::admin]), "TOO_LONG");
+}
+
 TEST_F(Roles, EndWithTheTokenForCallsThatBeginLater) {
   const auto socket = open("unix:" + server->socket_path());
   const auto made = [&] {
