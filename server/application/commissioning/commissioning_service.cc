@@ -62,12 +62,12 @@ Result<std::vector<RecordedSeries>> read_wanted(Store& store, const Wanted& want
   return all;
 }
 
-bool is_length(const std::string& channel) { return channel.ends_with("_mm"); }
+bool is_named_as_length(const std::string& channel) { return channel.ends_with("_mm"); }
 
 void judge_channels(RestReport& report, const std::vector<RecordedSeries>& all) {
   bool all_warm = !all.empty();
   for (const auto& one : all) {
-    const bool length = is_length(one.channel);
+    const bool length = is_named_as_length(one.channel);
     const double scale = length ? 1e6 : 1;  // nm
     const double limit = length ? report.limits.length_nm_per_h : report.limits.temperature_k_per_h;
     auto samples = one.samples;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/application/motion/workbench.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -43,12 +44,12 @@ std::invoke_result_t<Store&> until_stored(RunScope& scope, Store store,
     auto stored = co_await std::move(storing);
     if (!stored && scope.run && stored.error().code == ErrorCode::resource_exhausted) {
       auto waiting = wait.next_try(stored.error());
-      if (auto ok = co_await std::move(waiting); !ok) co_return tl::unexpected(ok.error());
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(waiting));
       continue;
     }
     if (!stored) co_return stored;
     auto leaving = wait.over();
-    if (auto ok = co_await std::move(leaving); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(leaving));
     co_return stored;
   }
 }

@@ -58,8 +58,10 @@ Awaitable<Result<void>> mark_rows(ActiveRun& run, std::vector<std::int64_t> rows
   const auto store = [&run, &mark] { return run.scope.bench.writer.remarks().exclude(mark); };
   auto storing = until_stored(run.scope, store, EndsWait::the_daemon_alone);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(storing));
+  std::vector<std::int64_t> from_one;
+  for (const auto row : mark.rows) from_one.push_back(row + 1);
   auto detail = fmt::format("rows {} of run {} are suspect and kept out of fits: {}",
-                            formats::row_ranges_text(mark.rows), mark.run.value, mark.reason);
+                            formats::row_ranges_text(from_one), mark.run.value, mark.reason);
   run.scope.bench.events.record_own("data.suspect", std::move(detail), mark.run);
   co_return Result<void>{};
 }

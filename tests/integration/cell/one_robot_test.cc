@@ -80,7 +80,7 @@ TEST_F(OneRobot, IsDrivenByOneDaemonWhateverTheControllerIsCalled) {
 }
 
 TEST_F(OneRobot, IsNotCalledGoodByACheckWhereTheRecordHasNoPlace) {
-  const auto file = another_cell_file(database_name(), "no_such_folder/record.sqlite");
+  const auto file = another_cell_file("database = \"", "database = \"no_such_folder/");
   const auto checked =
       run_process({std::string(DRIFTWISE_BIN_DIR) + "/driftwised", "--check", "--cell", file});
   EXPECT_EQ(checked.code, 3);

@@ -45,7 +45,7 @@ TEST_F(RunCommandsTest, AKeyToRemoveTakesNoOtherWordWithIt) {
   json({"run", "start", trajectory()});
   json({"run", "tag", "1", "tool=probe"});
   EXPECT_EQ(json({"run", "tag", "1", "--remove", "tool", "sample=A12"})["metadata"],
-            nlohmann::json({{"sample", "A12"}}));
+            nlohmann::json::parse(R"([{"key": "sample", "value": "A12"}])"));
   const auto refused = run({"run", "tag", "1", "--remove", "sample=A12"});
   EXPECT_EQ(refused.exit, 2);
   EXPECT_THAT(refused.err, HasSubstr("found 'sample=A12', expected a key alone"));

@@ -28,6 +28,7 @@ class ForceAtRest : public testing::Test {
     sensor.input = 201;
     sensor.min_v = -100;
     sensor.max_v = 100;
+    sensor.slope = 1;
     spring.voltages.sensors = {sensor};
     spring.become<ForceSettings>().quantities = {{{"spring_force", "N"}, 0.01}};
     cell.devices.push_back(spring);

@@ -188,7 +188,8 @@ void kill_when(SharedWorld& world, const std::string& database, CellTime begin,
 std::vector<std::int64_t> suspect_rows(const std::string& database) {
   std::vector<std::int64_t> rows;
   auto store = *storage::open_sqlite_store(database, true);
-  for (const auto& mark : store->remarks().exclusions(RunId{1}).value())
+  const auto marks = store->remarks().exclusions(RunId{1}).value();
+  for (const auto& mark : marks)
     if (mark.suspect) rows.insert(rows.end(), mark.rows.begin(), mark.rows.end());
   return rows;
 }
@@ -216,6 +217,11 @@ TEST(Restart, KeepsWhatTheOldZeroWasWhenAZeroingWasInterrupted) {
   EXPECT_FALSE(values.contains("x_mm")) << "nobody can read the old zero any more";
   const auto rows = suspect_rows(database);
   EXPECT_NE(std::ranges::find(rows, 1), rows.end()) << "measured since the last good zero";
+  auto store = *storage::open_sqlite_store(database, true);
+  const auto events = *store->events().events(EventId{0}, 10'000);
+  EXPECT_TRUE(std::ranges::any_of(events, [](const EventRecord& event) {
+    return event.what == "data.suspect" && event.detail.starts_with("rows 1-2 of run 1 ");
+  })) << "counted from 1, as everywhere that people read";
 }
 
 // A lost beam is zeroed without a comparison: that zeroing took the old zero away all the same.
