@@ -121,18 +121,35 @@ namespace {
 
 namespace gx = grpc::experimental;
 
+// Cancelling a call goes through all of its interceptors, on another thread. So it enters the book
+// when the last of them is made, and as the first of them it is the first to go, out of the book.
 class Entering final : public gx::Interceptor {
  public:
-  explicit Entering(std::unique_ptr<CallBook::Entry> entry) : entry_(std::move(entry)) {}
+  Entering(std::shared_ptr<CallBook> book, grpc::ServerContextBase& context, bool is_stream)
+      : book_(std::move(book)), context_(context), is_stream_(is_stream) {}
   void Intercept(gx::InterceptorBatchMethods* methods) override {
-    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::PRE_SEND_MESSAGE))
+    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::POST_RECV_INITIAL_METADATA))
+      enter();
+    if (entry_ && methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::PRE_SEND_MESSAGE))
       entry_->message_begun();
-    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::POST_SEND_MESSAGE))
+    if (entry_ &&
+        methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::POST_SEND_MESSAGE))
       entry_->message_taken();
     methods->Proceed();
   }
 
  private:
+  void enter() {
+    // Whoever may not call takes nobody's place.
+    const auto* call = dynamic_cast<const CallContext*>(&context_);
+    if (entry_ || (call != nullptr && call->refused())) return;
+    entry_ =
+        book_->enter(context_.peer(), is_stream_, [&context = context_] { context.TryCancel(); });
+  }
+
+  std::shared_ptr<CallBook> book_;
+  grpc::ServerContextBase& context_;
+  bool is_stream_;
   std::unique_ptr<CallBook::Entry> entry_;
 };
 
@@ -141,14 +158,9 @@ class EnteringFactory final : public gx::ServerInterceptorFactoryInterface {
   explicit EnteringFactory(std::shared_ptr<CallBook> book) : book_(std::move(book)) {}
   gx::Interceptor* CreateServerInterceptor(gx::ServerRpcInfo* info) override {
     if (info->method() != nullptr && info->method() == kComputeTarget) return nullptr;
-    auto* context = info->server_context();
-    // Whoever may not call takes nobody's place.
-    if (const auto* call = dynamic_cast<const CallContext*>(context); call && call->refused())
-      return nullptr;
     const bool is_stream = info->type() == gx::ServerRpcInfo::Type::SERVER_STREAMING ||
                            info->type() == gx::ServerRpcInfo::Type::BIDI_STREAMING;
-    return new Entering(
-        book_->enter(context->peer(), is_stream, [context] { context->TryCancel(); }));
+    return new Entering(book_, *info->server_context(), is_stream);
   }
 
  private:

@@ -67,7 +67,7 @@ class CallBook::Entry {
   std::size_t id_;
 };
 
-// Enters every call of a server into the book.
+// Enters every call of a server into the book. To be the first of the server's interceptors.
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> entering(
     std::shared_ptr<CallBook> book);
 

@@ -173,8 +173,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(const application::Services& 
   for (grpc::Service* service : further) builder.RegisterService(service);
   builder.SetContextAllocator(judged_contexts());
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
-  interceptors.push_back(judging(building.authoriser, std::move(building.roles)));
   interceptors.push_back(entering(out->calls_));
+  interceptors.push_back(judging(building.authoriser, std::move(building.roles)));
   builder.experimental().SetInterceptorCreators(std::move(interceptors));
   grpc::ResourceQuota memory("doors");
   memory.Resize(kMostBufferBytes);

@@ -140,6 +140,28 @@ TEST_F(RpcDoor, EndsTheSlowestStreamOfAConnectionBeyondItsQuota) {
   for (auto& reader : readers) reader->Finish();
 }
 
+// Streams that end by themselves while the door ends them: each of them is there, or gone.
+TEST_F(RpcDoor, ClosesWhileStreamsEnd) {
+  for (int round = 0; round < 20; ++round) {
+    CellStub stub(channel);
+    std::vector<std::unique_ptr<Call>> calls;
+    std::vector<std::unique_ptr<grpc::ClientReader<v1::WatchEventsResponse>>> readers;
+    const int begun = feeds.events.begun;
+    for (int i = 0; i < 60; ++i) {
+      calls.push_back(std::make_unique<Call>());
+      readers.push_back(stub.WatchEvents(calls.back().get(), {}));
+    }
+    ASSERT_TRUE(eventually([&] { return feeds.events.begun == begun + 60; }));
+    std::thread ending([&] {
+      for (auto& call : calls) call->TryCancel();
+    });
+    TearDown();
+    ending.join();
+    for (auto& reader : readers) EXPECT_FALSE(reader->Finish().ok());
+    SetUp();
+  }
+}
+
 TEST(CallBook, EndsTheStreamThatBlocksBeforeOneWithoutNews) {
   rpc::CallBook book({.streams_in_all = 2, .streams_per_connection = 2});
   std::string ended;
