@@ -286,7 +286,8 @@ TEST(SnapshotBuilder, AThermometerThatFellSilentIsAsUncertainBehindALag) {
   const auto plain = term({power("t07")});
   const effects::Term lagged = {{effects::Call{"lag", {"t07"}, {{600, "s"}}}}};
   const effects::Term lagged_square = {{effects::Call{"lag", {"t07"}, {{600, "s"}}}, power("t07")}};
-  // 1 um/K over a fitted range of 2 K, which counts a hundredth wider: half of it over the root of 3.
+  // 1 um/K over a fitted range of 2 K, which counts a hundredth wider: half of it over the root
+  // of 3.
   for (const double age_s : {36000.0, -1.0}) {
     EXPECT_NEAR(u_nm(plain, age_s), 1e3 * 2 / std::sqrt(12.0), 10);
     EXPECT_NEAR(u_nm(lagged, age_s), u_nm(plain, age_s), 1e-6);
