@@ -45,7 +45,8 @@ class TokenBook {
   static Result<std::unique_ptr<TokenBook>> open(const std::string& path, ScryptCost cost = {});
 
   // On disk before it answers. now_utc_s: seconds of UTC. Errors: invalid_argument BAD_NAME,
-  // BAD_TIME (in the past, or more than a hundred years ahead); resource_exhausted TOO_MANY; unavailable CANNOT_WRITE.
+  // BAD_TIME (in the past, or more than a hundred years ahead); resource_exhausted TOO_MANY;
+  // unavailable CANNOT_WRITE.
   Result<FreshToken> create(const std::string& name, Role role, const std::string& made_by,
                             std::int64_t now_utc_s, std::optional<std::int64_t> expires_utc_s);
   std::vector<TokenRecord> list() const;  // in order of their making
