@@ -6,6 +6,7 @@ import { Code, ConnectError, createRouterTransport, type Transport } from '@conn
 import { CellService, GetStatusResponseSchema, ListDevicesResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { ConfigurationService } from '@/api/gen/driftwise/v1/configuration_service_pb';
 import { DataService } from '@/api/gen/driftwise/v1/data_service_pb';
+import { ErrorDetailSchema } from '@/api/gen/driftwise/v1/error_detail_pb';
 import { DiagnosisService } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { CheckFormulaResponseSchema, ListResidualsResponseSchema, ModelService, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
 import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
@@ -47,6 +48,7 @@ const procedureSteps = [
 export interface FakeWishes {
   problem?: (formula: string) => string; // what CheckFormula says of it
   noModel?: boolean;
+  noForce?: boolean; // no device of the cell reads a force, and nobody stated one
   alarms?: Alarm[]; // that stand; absent: one
   moved?: (entry: bigint, before: bigint | undefined) => void; // an entry of the queue
   released?: () => void; // the queue was
@@ -202,13 +204,19 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
         if (wishes.noModel) throw new ConnectError('no model serves', Code.FailedPrecondition);
         return { target: target(pose[0]?.value) };
       },
-      estimatePose: () => ({
-        modelId: 12n, motor: [{ channel: 'q1_mm', value: 0.2 }],
-        coordinates: [
-          { channel: 'x_mm', value: 0.2001234, u: 7.1e-6, measured: 0.2001434, discrepancy: 20e-6, agrees: false },
-          { channel: 'rz_arcsec', value: 1.25, u: 0.02, agrees: false },
-        ],
-      }),
+      estimatePose: ({ stated }) => {
+        if (wishes.noForce && !stated.some((one) => one.channel === 'force_N')) {
+          const message = 'the request lacks force_N, which the model needs: state it, 0 included';
+          throw new ConnectError(message, Code.FailedPrecondition, undefined, [{ desc: ErrorDetailSchema, value: { reason: 'MISSING_VALUE', message } }]);
+        }
+        return {
+          modelId: 12n, motor: [{ channel: 'q1_mm', value: 0.2 }],
+          coordinates: [
+            { channel: 'x_mm', value: 0.2001234, u: 7.1e-6, measured: 0.2001434, discrepancy: 20e-6, agrees: false },
+            { channel: 'rz_arcsec', value: 1.25, u: 0.02, agrees: false },
+          ],
+        };
+      },
       listPastTargets: () => ({
         modelId: 12n, times: Array.from({ length: 60 }, (_, i) => at(i - 60)),
         tracks: outputs.map((q, k) => ({ channel: `${q}_mm`, correctionNm: Array.from({ length: 60 }, (_, i) => -12.7 * (k + 1) - 0.3 * (60 - i)) })),

@@ -202,6 +202,13 @@ describe('targets', () => {
     expect(pose.getByText('beyond U')).toBeTruthy();
     expect(pose.queryByText('within U')).toBeNull();
   });
+  it('works out where the end-effector is at the force that was typed where the cell reads none', async () => {
+    useTransport(fakeDaemon({ noForce: true }));
+    show('/targets?force=1.5', Targets);
+    expect(await screen.findByText('at the force above, 1.5 N: the cell reads none')).toBeTruthy();
+    expect(within(screen.getByRole('region', { name: 'Pose by the model and by the instruments' })).getByText('beyond U')).toBeTruthy();
+    expect(screen.queryByText(/Run the model forward/)).toBeNull();
+  });
   it('shows the numbers of a pose beyond the travel, marked, and offers no move there', async () => {
     show('/targets?x=801', Targets);
     expect(await screen.findByText(/not reachable: beyond the soft limits \(q1, q2, q3\)/)).toBeTruthy();

@@ -53,7 +53,7 @@ function Served({ model }: { model: Model }) {
         <Panel title="Motor coordinates">
           {unread.map((field) => <Verdict key={field.channel} kind="bad">no target: {field.symbol} is not read, {numberWanted(field)}</Verdict>)}
         </Panel>
-        <Where />
+        <Where pose={pose} />
       </>
     );
   }
@@ -68,7 +68,7 @@ function Served({ model }: { model: Model }) {
         </div>
         <CorrectionMap fields={fields} pose={pose} outputs={model.outputs.map((output) => output.channel)} conditions={target.target?.conditionsTime} />
       </div>
-      <Where />
+      <Where pose={pose} />
       {target.target && <Panel title="What the uncertainty is made of"><BudgetTable coordinates={target.target.coordinates} /></Panel>}
     </>
   );

@@ -1,4 +1,5 @@
 // Pose of the end-effector now, by the model run forward from the motors' scales, beside what an instrument reads of it.
+import { failureOf } from '@/api/errors';
 import { targetApi } from '@/api/target';
 import type { EstimatedCoordinate } from '@/api/gen/driftwise/v1/target_service_pb';
 import { fixed, grouped, signed } from '@/format/numbers';
@@ -9,16 +10,29 @@ import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { useWhile } from '@/ui/use_while';
 import { Verdict } from '@/ui/verdict';
+import type { Pose } from './pose';
 
-export function Where() {
-  const asked = useAsked('pose', (signal) => targetApi().estimatePose({}, { signal }));
+// pose: as it was typed. Its force is taken where no device of the cell reads one, and nobody stated one.
+export function Where({ pose }: { pose: Pose }) {
+  const force = pose.find((one) => one.channel === 'force_N');
+  const asked = useAsked('pose', (signal) => estimate(force, signal));
   useWhile(true, asked.again);
   return (
     <Panel title="Where the end-effector is now">
+      {asked.value?.force && <p class="muted">at the force above, {String(asked.value.force.value)} N: the cell reads none</p>}
       {asked.failure && <Failed asked="Run the model forward" failure={asked.failure} />}
-      {asked.value ? <PoseTable coordinates={asked.value.coordinates} /> : !asked.failure && <Awaiting what="the motors' positions" />}
+      {asked.value ? <PoseTable coordinates={asked.value.answer.coordinates} /> : !asked.failure && <Awaiting what="the motors' positions" />}
     </Panel>
   );
+}
+
+async function estimate(force: Pose[number] | undefined, signal: AbortSignal) {
+  try {
+    return { answer: await targetApi().estimatePose({}, { signal }) };
+  } catch (error) {
+    if (!force || failureOf(error).reason !== 'MISSING_VALUE') throw error;
+    return { answer: await targetApi().estimatePose({ stated: [force] }, { signal }), force };
+  }
 }
 
 const isLength = (one: EstimatedCoordinate) => splitChannel(one.channel).unit === 'mm';
