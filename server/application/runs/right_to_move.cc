@@ -11,8 +11,10 @@ Result<void> RightToMove::check(const std::string& lease_token) const {
   if (auto ok = leases_.check(lease_token, clock_.now().utc); !ok) return ok;
   if (const auto* run = engine_.record())
     return fail(ErrorCode::failed_precondition, reasons::kRunUnderWay,
-                fmt::format("run {} '{}' is {}: abort it, or wait until it is over", run->id.value,
-                            run->name, to_string(run->state)));
+                fmt::format("run {} '{}' is {}: abort it, or {} until it is over", run->id.value,
+                            run->name, to_string(run->state),
+                            // A paused one does not end by itself.
+                            run->state == RunState::paused ? "resume it and wait" : "wait"));
   if (by_hand_)
     return fail(ErrorCode::failed_precondition, reasons::kMoving,
                 "a movement by hand is under way: wait for its end, or stop it");

@@ -1,6 +1,6 @@
 // What clients ask, refused or done.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
@@ -36,6 +36,14 @@ TEST_F(Commands, ASecondRunIsRefusedWhileOneIsUnderWay) {
   EXPECT_EQ(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1})).error().reason,
             "RUN_UNDER_WAY");
   EXPECT_EQ(cell.await(cell->manual.home(cell.ada, cell.lease())).error().reason, "RUN_UNDER_WAY");
+}
+
+TEST_F(Commands, ASecondRunIsToldThatAPausedOneDoesNotEndByItself) {
+  const auto run = cell.begin_run(lines_of(2, {1, 2, -1}, false));
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run.id)));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  EXPECT_THAT(cell.try_run(request(lines_of(1, {1}, false))).error().message,
+              testing::HasSubstr("is paused: abort it, or resume it and wait until it is over"));
 }
 
 TEST_F(Commands, TheSameRequestTwiceIsOneRun) {
