@@ -1,5 +1,7 @@
 #include "server/application/datasets/amended_dataset.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -164,21 +166,46 @@ Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store)
   return amendments;
 }
 
-Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs) {
-  DRIFTWISE_TRY(const auto records, store.extensions().corrections());
+namespace {
+
+// The corrections, ended ones too, that can change the data of one of these runs.
+Result<std::vector<CorrectionRecord>> corrections_of(Store& store, std::span<const RunId> runs) {
+  DRIFTWISE_TRY(auto records, store.extensions().corrections());
   std::vector<RunRecord> asked;
   for (const RunId id : runs) {
     DRIFTWISE_TRY(auto run, store.runs().run(id));
     asked.push_back(std::move(run));
   }
-  std::vector<CorrectionId> over;
-  for (const auto& record : records) {
-    if (!record.in_force()) continue;
+  std::vector<CorrectionRecord> over;
+  for (auto& record : records) {
     DRIFTWISE_TRY(const auto amendment, amendment_of(store, record));
     if (std::ranges::any_of(asked, [&](const auto& run) { return concerns(amendment, run); }))
-      over.push_back(record.id);
+      over.push_back(std::move(record));
   }
   return over;
+}
+
+}  // namespace
+
+Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs) {
+  DRIFTWISE_TRY(const auto records, corrections_of(store, runs));
+  std::vector<CorrectionId> over;
+  for (const auto& record : records)
+    if (record.in_force()) over.push_back(record.id);
+  return over;
+}
+
+Result<std::vector<std::string>> corrections_since(Store& store, std::span<const RunId> runs,
+                                                   CellTime since) {
+  DRIFTWISE_TRY(const auto records, corrections_of(store, runs));
+  std::vector<std::string> changes;
+  for (const auto& record : records) {
+    if (record.in_force() && record.created > since)
+      changes.push_back(fmt::format("correction {} came into force", record.id.value));
+    if (!record.in_force() && record.created <= since && record.ended > since)
+      changes.push_back(fmt::format("correction {} was taken back", record.id.value));
+  }
+  return changes;
 }
 
 Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {

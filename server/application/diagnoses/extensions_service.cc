@@ -31,6 +31,7 @@ struct AcceptMaterial {  // read from the store
   std::string taken_as;
   RunsData data;
   std::vector<CorrectionId> corrections;  // in force over them
+  std::vector<std::string> changed;       // corrections of them, since they were diagnosed
   std::optional<ModelRecord> parent;
   std::vector<DataOfModel> of_runs;   // where the model is to serve
   std::vector<RunMetadata> metadata;  // likewise
@@ -70,6 +71,9 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   material.data = std::move(data);
   DRIFTWISE_TRY(auto corrections, corrections_over(store, material.record.runs));
   material.corrections = std::move(corrections);
+  DRIFTWISE_TRY(auto changed,
+                corrections_since(store, material.record.runs, material.record.created));
+  material.changed = std::move(changed);
   if (request.promote) {
     DRIFTWISE_TRY(auto of_runs,
                   data_of_model(store, material.record.runs, material.record.created));
@@ -111,10 +115,25 @@ FitRequest fit_of(const AcceptMaterial& material, const ExtensionPlan& plan) {
   return fit;
 }
 
-Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
-                                     const CellDescription& cell) {
+// A correction has the size that was found in the data of then. Laid over others that came since,
+// it would take the same error off twice.
+Result<ExtensionPlan> plan_of(const AcceptMaterial& material) {
   DRIFTWISE_TRY(auto plan, plan_extension(material.record.id, material.found, material.chosen,
                                           material.data, material.taken_as));
+  const auto& amendment = plan.amendment;
+  const bool has_size = !amendment.shifts.empty() || !amendment.angles.empty();
+  if (material.changed.empty() || !(has_size || !amendment.splits.empty())) return plan;
+  return fail(
+      ErrorCode::failed_precondition, reasons::kStale,
+      fmt::format("since diagnosis {} was made, {}: what it found may be corrected already; "
+                  "diagnose {} again and accept that",
+                  material.record.id.value, fmt::join(material.changed, ", "),
+                  material.record.runs.size() == 1 ? "the run" : "the runs"));
+}
+
+Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
+                                     const CellDescription& cell) {
+  DRIFTWISE_TRY(auto plan, plan_of(material));
   DRIFTWISE_RETURN_IF_ERROR(put_in_force(plan, material.data));
   DRIFTWISE_TRY(auto model, fit_extension(plan, material.data.data, fit_of(material, plan)));
   std::vector<std::string> questions, for_a_reason;
@@ -136,8 +155,7 @@ Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
 Result<MadeExtension> previewed(const AcceptMaterial& material, bool promote,
                                 const CellDescription& cell) {
   if (promote) return make_extension(material, promote, cell);
-  DRIFTWISE_TRY(auto plan, plan_extension(material.record.id, material.found, material.chosen,
-                                          material.data, material.taken_as));
+  DRIFTWISE_TRY(auto plan, plan_of(material));
   return MadeExtension{std::move(plan), {}, {}, {}};
 }
 
@@ -203,6 +221,22 @@ std::string made_of(const ExtensionRecord& made, const char* served = "which ser
   for (const auto& out : made.excluded)
     say(fmt::format("{} rows of run {} kept out", out.rows.size(), out.run.value));
   return text;
+}
+
+// Models of extensions that were undone, with that of the one that is being undone.
+Result<std::vector<ModelId>> withdrawn_models(Store& store, DiagnosisId undoing) {
+  DRIFTWISE_TRY(const auto newest, store.diagnoses().diagnoses(1));
+  std::vector<ModelId> withdrawn, standing;
+  const std::int64_t last = newest.empty() ? 0 : newest.front().id.value;
+  for (std::int64_t number = 1; number <= last; ++number) {
+    DRIFTWISE_TRY(const auto extension, store.extensions().extension(DiagnosisId{number}));
+    if (!extension || !extension->model) continue;
+    const bool stands = extension->stands() && number != undoing.value;
+    (stands ? standing : withdrawn).push_back(*extension->model);
+  }
+  std::erase_if(withdrawn,
+                [&](ModelId id) { return std::ranges::find(standing, id) != standing.end(); });
+  return withdrawn;
 }
 
 }  // namespace
@@ -331,14 +365,15 @@ Awaitable<Result<std::vector<LengthChange>>> ExtensionsService::changes_in_all_r
 }
 
 Awaitable<Result<ExtensionRecord>> ExtensionsService::undo(Caller caller, DiagnosisId id) {
-  // Where its model serves, whoever promoted it, the one before serves again. In the same
-  // transaction.
+  // Where its model serves, whoever promoted it, the one before serves again that is not undone
+  // itself. In the same transaction.
   std::optional<PromotionRecord> rollback;
   std::optional<ModelRecord> previous, present;
   DRIFTWISE_CO_TRY(const auto view, co_await diagnoses_.get(id));
   if (view.extension && view.extension->stands() && view.extension->model &&
       serving_.model() == view.extension->model) {
-    auto finding = promotions_.served_before();
+    DRIFTWISE_CO_TRY(auto withdrawn, co_await reader_.call(withdrawn_models, id));
+    auto finding = promotions_.served_before(std::move(withdrawn));
     DRIFTWISE_CO_TRY(auto before, co_await std::move(finding));
     previous = std::move(before);
     auto reading = models_.get(*view.extension->model);

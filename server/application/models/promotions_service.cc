@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/core/reasons.h"
@@ -86,12 +88,15 @@ Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId
   co_return record;
 }
 
-Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::served_before() {
+Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::served_before(
+    std::vector<ModelId> without) {
   DRIFTWISE_CO_TRY(auto history, co_await reader_.models().promotions());
-  const auto served = models_served(history);
+  auto served = models_served(history);
   if (served.ids().empty())
     co_return fail(ErrorCode::failed_precondition, reasons::kNothingToRollBack,
                    "no model serves: there is none to take back");
+  while (served.before() && std::ranges::find(without, *served.before()) != without.end())
+    served.rolled_back(served.before());
   std::optional<ModelRecord> previous;
   if (const auto before = served.before()) {
     DRIFTWISE_CO_TRY(auto record, co_await models_.get(*before));

@@ -32,8 +32,9 @@ class PromotionsService final : public Promotions {
                                          std::string reason) override;
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
 
-  // What a roll-back would serve. Errors: failed_precondition NOTHING_TO_ROLL_BACK.
-  Awaitable<Result<std::optional<ModelRecord>>> served_before();
+  // What a roll-back would serve; without: models that are passed over. Errors: failed_precondition
+  // NOTHING_TO_ROLL_BACK.
+  Awaitable<Result<std::optional<ModelRecord>>> served_before(std::vector<ModelId> without = {});
   // The event of a promotion that is on record already.
   // before: the model that served; none: not known here, or none did.
   void announce(const Caller& caller, std::optional<ModelRecord> next, const std::string& action,

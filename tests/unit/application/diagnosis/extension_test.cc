@@ -187,6 +187,42 @@ TEST_F(ExtensionTest, ARobotsEffectBecomesAModelThatServesAndTheOneBeforeServesA
   EXPECT_EQ(d.cell.status().serving, parent.id);
 }
 
+// Two diagnoses of the same run find the same error. Accepted twice it would be taken off twice.
+TEST_F(ExtensionTest, AnErrorThatIsCorrectedMeanwhileIsNotCorrectedAgain) {
+  findings = {cycle()};
+  const auto first = d.diagnosed(run, "q ~ x").record.id;
+  const auto second = d.diagnosed(run, "q ~ x").record.id;
+  d.cell.pass(1);
+  ASSERT_TRUE(accept(first));
+  EXPECT_THAT(accept(second).error().message,
+              HasSubstr("since diagnosis 2 was made, correction 1 came into force"));
+  EXPECT_FALSE(d.cell.await(d.cell->extensions.preview({second, {}, false})));
+  ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, first)));
+  EXPECT_TRUE(accept(second)) << "the data are those that it saw";
+  const auto third = d.diagnosed(run, "q ~ x").record.id;  // of corrected data
+  d.cell.pass(1);
+  ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, second)));
+  EXPECT_THAT(accept(third).error().message, HasSubstr("correction 2 was taken back"));
+}
+
+TEST_F(ExtensionTest, UndoingAllOfThemEndsAtTheModelBeforeThem) {
+  application::FitRequest fit;
+  fit.runs = {run};
+  fit.formula = "q ~ x";
+  const auto own = *d.cell.await(d.cell->models.fit(d.cell.ada, fit));
+  ASSERT_TRUE(d.cell.await(d.cell->promotions.promote(d.cell.ada, own.id, true)));
+  std::vector<DiagnosisId> ids;
+  for (const auto* term : {"t01", "t01^2"}) {
+    findings = {finding_of("thermal_offset", "t01", AppliesTo::robot, {term}, {1e-6})};
+    ids.push_back(d.diagnosed(run, "q ~ x").record.id);
+    const auto made = accept(ids.back(), {1}, true);
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(d.cell.status().serving, made->model);
+  }
+  for (const auto id : ids) ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, id)));
+  EXPECT_EQ(d.cell.status().serving, own.id) << "not the model of the first, which is undone";
+}
+
 TEST_F(ExtensionTest, ASetThatCannotBeToldApartNeedsAChoice) {
   findings = {bend(), outlier()};
   findings[0].indistinguishable_from = {"instrument_drift"};
