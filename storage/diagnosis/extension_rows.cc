@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "server/core/reasons.h"
@@ -25,6 +26,24 @@ std::vector<RowsOfRun> rows_kept_out(Session& session, std::int64_t extension) {
     kept.back().rows.push_back(query.integer(1));
   }
   return kept;
+}
+
+// Rows of a run that other extensions than this one keep out.
+std::set<std::int64_t> rows_of_others(Session& session, std::int64_t extension, RunId run) {
+  Query query(session.db,
+              "SELECT r.trajectory_row FROM extension o JOIN extension_exclusion x USING "
+              "(extension_id) JOIN exclusion e USING (exclusion_id) JOIN exclusion_row r USING "
+              "(exclusion_id) WHERE o.undone_ns = 0 AND o.extension_id <> ? AND e.run_id = ?");
+  query.bind(extension, run);
+  std::set<std::int64_t> rows;
+  while (query.row()) rows.insert(query.integer(0));
+  return rows;
+}
+
+void keep_out(Session& session, std::int64_t extension, const ExclusionRecord& exclusion) {
+  Query(session.db, "INSERT INTO extension_exclusion (extension_id, exclusion_id) VALUES (?, ?)")
+      .bind(extension, exclusion.id)
+      .run();
 }
 
 void insert_changes(Session& session, CorrectionId correction,
@@ -153,10 +172,14 @@ ExtensionRecord insert_extension(Session& session, const NewExtension& extension
     exclusion.who = extension.who;
     exclusion.from = extension.from;
     const auto stored = store_exclusion(session, exclusion);
-    if (stored.id == 0) continue;  // those rows were out before: not ours to put back
-    Query(session.db, "INSERT INTO extension_exclusion (extension_id, exclusion_id) VALUES (?, ?)")
-        .bind(id, stored.id)
-        .run();
+    if (stored.id != 0) keep_out(session, id, stored);
+    // Of those that were out before, a person's are not ours to put back; another extension's stay
+    // out until both are undone.
+    const auto others = rows_of_others(session, id, exclusion.run);
+    std::erase_if(exclusion.rows, [&](std::int64_t row) {
+      return !others.contains(row) || std::ranges::find(stored.rows, row) != stored.rows.end();
+    });
+    if (!exclusion.rows.empty()) keep_out(session, id, insert_exclusion(session, exclusion));
   }
   return last_extension(session, extension.diagnosis)->record;
 }
@@ -180,10 +203,13 @@ ExtensionRecord undo_extension_row(Session& session, DiagnosisId id, const Stamp
           "ended_ns = 0")
         .bind(at.utc.utc_ns, who, *last->record.correction)
         .run();
-  for (const auto& kept : last->record.excluded)
+  for (auto kept : last->record.excluded) {
+    const auto others = rows_of_others(session, last->id, kept.run);
+    std::erase_if(kept.rows, [&](std::int64_t row) { return others.contains(row); });
     store_exclusion(session,
                     {0, kept.run, false, kept.rows,
                      "diagnosis " + std::to_string(id.value) + " was undone", at, who, from});
+  }
   return last_extension(session, id)->record;
 }
 

@@ -52,7 +52,11 @@ ExclusionRecord store_exclusion(Session& session, const ExclusionRecord& wanted)
   std::erase_if(stored.rows,
                 [&](std::int64_t row) { return out_now.contains(row) == wanted.excluded; });
   stored.id = 0;
-  if (stored.rows.empty()) return stored;
+  return stored.rows.empty() ? stored : insert_exclusion(session, stored);
+}
+
+ExclusionRecord insert_exclusion(Session& session, const ExclusionRecord& exclusion) {
+  ExclusionRecord stored = exclusion;
   Query(session.db,
         "INSERT INTO exclusion (run_id, excluded, reason, who, peer, at_ns, at_monotonic_ns) "
         "VALUES (?, ?, ?, ?, ?, ?, ?)")

@@ -8,6 +8,8 @@ namespace driftwise::storage {
 
 // Inside the caller's write transaction: as RemarkStore::exclude.
 ExclusionRecord store_exclusion(Session& session, const ExclusionRecord& exclusion);
+// The record as it is, also of rows that are out (or in) already: a second reason for them.
+ExclusionRecord insert_exclusion(Session& session, const ExclusionRecord& exclusion);
 
 class SqliteRemarkStore final : public RemarkStore {
  public:

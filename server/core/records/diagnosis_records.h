@@ -63,7 +63,7 @@ struct ExtensionRecord {
   bool promoted = false;         // serves
   std::optional<CorrectionId> correction;
   std::vector<RowsOfRun>
-      excluded;               // rows that it keeps out; those that were out before are not its
+      excluded;               // rows that it keeps out; what a person kept out before is not its
   CellTime accepted, undone;  // utc_ns 0: it stands
   std::string accepted_by, undone_by;
   bool stands() const { return undone.utc_ns == 0; }

@@ -127,6 +127,19 @@ TEST_F(DiagnosisStoreTest, AnExtensionKeepsRowsOutAndUndoingPutsThoseBackOnly) {
   EXPECT_TRUE(store->extensions().accept(extension(id)));  // and once more
 }
 
+TEST_F(DiagnosisStoreTest, RowsStayOutUntilTheLastExtensionThatNamesThemIsUndone) {
+  const DiagnosisId first = done(), second = done();
+  ASSERT_TRUE(store->extensions().accept(extension(first)));  // rows 2 and 3
+  auto other = extension(second);
+  other.exclusions[0].rows = {3, 4};
+  ASSERT_TRUE(store->extensions().accept(other));
+  EXPECT_THAT(out_now(), ElementsAre(0, 0, 1, 1, 1, 0));
+  ASSERT_TRUE(store->extensions().undo_extension(first, at_s(300), "ada", ""));
+  EXPECT_THAT(out_now(), ElementsAre(0, 0, 0, 1, 1, 0)) << "row 3 is the second's too";
+  ASSERT_TRUE(store->extensions().undo_extension(second, at_s(301), "ada", ""));
+  EXPECT_TRUE(std::ranges::none_of(out_now(), [](auto out) { return out != 0; }));
+}
+
 TEST_F(DiagnosisStoreTest, AnExtensionWithARowThatIsNotThereLeavesNothing) {
   const DiagnosisId id = done();
   auto bad = extension(id);
