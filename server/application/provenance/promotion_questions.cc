@@ -106,8 +106,14 @@ std::vector<std::string> imported_geometry_questions(const calibration::Model& m
 std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on,
                                               const std::function<UtcTime(CellTime)>& utc) {
   std::vector<std::string> questions;
+  // Accepted again after an undo: the data are those that it was fitted on.
+  const auto stands_again = [&rests_on](const CorrectionRecord& ended) {
+    return std::ranges::any_of(rests_on, [&ended](const CorrectionRecord& other) {
+      return other.in_force() && other.diagnosis == ended.diagnosis && other.json == ended.json;
+    });
+  };
   for (const auto& correction : rests_on)
-    if (!correction.in_force())
+    if (!correction.in_force() && !stands_again(correction))
       questions.push_back(fmt::format(
           "it was fitted on data with correction {}{} in force, which {} took back at {}: the data "
           "are no longer those (fit it again)",

@@ -20,8 +20,8 @@ namespace driftwise::application {
 std::vector<std::string> temperature_questions(const calibration::Model& model,
                                                const CellDescription& cell);
 
-// Corrections that the model rests on and that were taken back since. utc: of an instant of cell
-// time.
+// Corrections that the model rests on and that were taken back since, for good: accepted again, the
+// same one is in force. utc: of an instant of cell time.
 std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on,
                                               const std::function<UtcTime(CellTime)>& utc);
 

@@ -39,6 +39,18 @@ TEST(CorrectionQuestions, TellTheInstantInUtc) {
   EXPECT_THAT(questions[0], HasSubstr("took back at 2027-01-15T07:00:00Z"));
 }
 
+TEST(CorrectionQuestions, AreNoneWhereTheSameOneIsInForceAgain) {
+  CorrectionRecord ended, again;
+  ended.id = {3}, again.id = {5};
+  ended.diagnosis = again.diagnosis = DiagnosisId{2};
+  ended.json = again.json = R"({"shifts":[]})";
+  ended.ended = CellTime{100};
+  const auto utc = [](CellTime at) { return UtcTime{at.utc_ns}; };
+  EXPECT_THAT(correction_questions({ended, again}, utc), IsEmpty());
+  again.json = R"({"shifts":[1]})";  // other findings of it
+  EXPECT_THAT(correction_questions({ended, again}, utc), SizeIs(1));
+}
+
 TEST(AccuracyQuestions, AreNoneWhereNoCampaignStatesWhatItWants) {
   EXPECT_THAT(accuracy_questions(model_of(80e-6, 0), {{{"sample", "A12"}}}), IsEmpty());
 }
