@@ -65,7 +65,7 @@ Measured measured_by_all(const JoinParts& parts, const MatchedRows& rows, std::s
   return mean_of_sum(sum);
 }
 
-// What a part's lengths are corrected by: its own paths, so that what two parts measured stays two
+// The row that corrects a part's lengths: its own paths, so that what two parts measured stays two
 // measurements, the others' where it has none, and the angles of all.
 Seen with_angles_of_all(const Measured& own, const Measured& all) {
   Seen seen = all.seen;
@@ -89,7 +89,7 @@ std::array<bool, 3> angles_read(const JoinParts& parts) {
   return read;
 }
 
-// How far a tilt by_arcsec about one axis moves a length, mm.
+// Movement of a length by a tilt of by_arcsec about one axis, mm.
 double moved_by(const Seen& seen, const Stage& stage, std::size_t length, std::size_t angle,
                 double by_arcsec) {
   Tilt moved = seen.tilt;

@@ -26,7 +26,7 @@ bool has_values(const DatasetColumn& column);
 using AngleU = std::array<double, 3>;
 
 struct CorrectedLengths {
-  // What the angles' own uncertainty leaves in each length, root mean square over the rows.
+  // Share of the angles' own uncertainty in each length, root mean square over the rows.
   std::array<double, 3> u_mm{};
   std::size_t rows_without_angle = 0;  // a length of theirs is missing now
 };

@@ -32,7 +32,7 @@ Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store)
 // Corrections in force that can change the data of one of these runs, ascending. Errors: data_loss
 // BAD_CORRECTION.
 Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs);
-// How corrections of these runs' data have changed since an instant: "correction 3 came into
+// Changes of the corrections of these runs' data since an instant: "correction 3 came into
 // force", "correction 1 was taken back"; empty: they are those of then. Errors: data_loss
 // BAD_CORRECTION.
 Result<std::vector<std::string>> corrections_since(Store& store, std::span<const RunId> runs,

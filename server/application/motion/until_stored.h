@@ -10,7 +10,7 @@
 
 namespace driftwise::application {
 
-// What ends the wait for the disk before it takes the record.
+// End of the wait for the disk before it takes the record.
 enum class EndsWait {
   whatever_ends_a_step,  // a stop, an abort, the end of the daemon
   the_daemon_alone,      // what is lost otherwise: nothing measures it again

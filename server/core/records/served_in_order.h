@@ -21,7 +21,7 @@ class ServedInOrder {
     if (now && ids_.empty()) ids_.push_back(*now);
   }
   const std::vector<Id>& ids() const { return ids_; }
-  // What a rollback puts back; none: nothing served before.
+  // The one that a rollback puts back; none: nothing served before.
   std::optional<Id> before() const {
     return ids_.size() > 1 ? std::optional(ids_[ids_.size() - 2]) : std::nullopt;
   }
