@@ -32,7 +32,7 @@ Result<std::vector<std::vector<ChannelValue>>> zeros_of(Store& store, RunId run,
   DRIFTWISE_TRY(auto records, store.points().data(run));
   std::vector<std::int64_t> order;
   if (data.datum.empty()) {
-    DRIFTWISE_TRY(const auto first, store.points().points(run, 0, 1));
+    DRIFTWISE_TRY(const auto first, points_in_dataset(store, run, 1));
     if (!first.empty()) order.push_back(first.front().datum.value);
   }
   for (const std::int64_t id : data.datum)

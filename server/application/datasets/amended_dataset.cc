@@ -20,17 +20,6 @@
 namespace driftwise::application {
 namespace {
 
-Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
-  constexpr int kPage = 5000;
-  std::vector<PointRecord> points;
-  for (std::int64_t after = 0;;) {
-    DRIFTWISE_TRY(auto page, store.points().points(run, after, kPage));
-    if (page.empty()) return points;
-    after = page.back().id.value;
-    for (auto& point : page) points.push_back(std::move(point));
-  }
-}
-
 // In the order of RunStore::dataset: measured points by their instant, then imported runs as they
 // were named, each by its rows.
 Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& out) {
@@ -38,7 +27,7 @@ Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& o
   std::set<RunId> of_files;
   for (const RunId run : runs) {
     DRIFTWISE_TRY(const auto record, store.runs().run(run));
-    DRIFTWISE_TRY(auto points, points_of(store, run));
+    DRIFTWISE_TRY(auto points, points_in_dataset(store, run));
     if (is_of_file(record)) of_files.insert(run);
     const bool is_imported = record.reason == "imported";
     if (is_imported) std::ranges::sort(points, {}, &PointRecord::row);
@@ -129,12 +118,34 @@ Result<bool> any_of_file(Store& store, std::span<const RunId> runs) {
 
 }  // namespace
 
+Result<std::vector<PointRecord>> points_in_dataset(Store& store, RunId run, std::size_t limit) {
+  const int page_size = limit == 0 ? 5000 : 100;
+  DRIFTWISE_TRY(const auto repeated, store.closures().repeated_points(run));
+  std::vector<PointRecord> points;
+  for (std::int64_t after = 0;;) {
+    DRIFTWISE_TRY(auto page, store.points().points(run, after, page_size));
+    if (page.empty()) return points;
+    after = page.back().id.value;
+    for (auto& point : page) {
+      if (std::ranges::binary_search(repeated, point.id)) continue;
+      points.push_back(std::move(point));
+      if (points.size() == limit) return points;
+    }
+  }
+}
+
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
-  DRIFTWISE_TRY(auto dataset, store.runs().dataset(runs));
-  add_metadata(store, runs, dataset);
-  RunsData out{std::move(dataset), {}, {}};
-  DRIFTWISE_RETURN_IF_ERROR(find_origins(store, runs, out));
-  return out;
+  // Rows and points are two reads: a run under way can store a point in between.
+  constexpr int kMostReads = 3;
+  for (int read = 1;; ++read) {
+    RunsData out;
+    DRIFTWISE_TRY(out.data, store.runs().dataset(runs));
+    add_metadata(store, runs, out.data);
+    const auto found = find_origins(store, runs, out);
+    if (found) return out;
+    if (found.error().reason != reasons::kRowsDiffer || read == kMostReads)
+      return tl::unexpected(found.error());
+  }
 }
 
 void confine(correction::DataAmendment& amendment, const std::vector<RunId>& runs) {

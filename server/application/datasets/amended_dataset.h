@@ -17,6 +17,10 @@ struct RunsData {
   CellTime time_zero;  // what data.time_s counts from; utc_ns 0: an imported run
 };
 
+// Points of a run that are rows of its dataset, by id: all but those of a line that was measured
+// again. limit: the first so many; 0: all. Errors: those of PointStore::points.
+Result<std::vector<PointRecord>> points_in_dataset(Store& store, RunId run, std::size_t limit = 0);
+
 // As it was measured. Errors: those of RunStore::dataset.
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs);
 

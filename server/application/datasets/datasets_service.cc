@@ -23,15 +23,6 @@
 namespace driftwise::application {
 namespace {
 
-// The instant of the runs' first point; nothing when none was accepted.
-std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) {
-  std::optional<CellTime> first;
-  for (const RunId run : runs)
-    if (const auto points = store.points().points(run, 0, 1); points && !points->empty())
-      first = std::min(first.value_or(points->front().measured.utc), points->front().measured.utc);
-  return first;
-}
-
 // "run 4 with model 3, run 5 none": a compensated run is told from an uncompensated one.
 std::string compensations(Store& store, const std::vector<RunId>& runs) {
   std::string text;
@@ -55,6 +46,18 @@ std::string corrections_in_force(Store& store) {
   return numbers;
 }
 
+// The instant of the runs' first row; nothing when none was measured.
+std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) {
+  std::optional<CellTime> first;
+  for (const RunId id : runs) {
+    const auto run = store.runs().run(id);
+    if (!run || run->reason == "imported") continue;
+    if (const auto points = points_in_dataset(store, id, 1); points && !points->empty())
+      first = std::min(first.value_or(points->front().measured.utc), points->front().measured.utc);
+  }
+  return first;
+}
+
 // Names of the sets of every row, where a trajectory or an imported file gave them (set_names.h).
 // Empty: none did, or they cannot be told.
 std::vector<std::string> set_names_of(Store& store, const std::vector<RunId>& runs,
@@ -69,24 +72,16 @@ std::vector<std::string> set_names_of(Store& store, const std::vector<RunId>& ru
     const auto run = store.runs().run(id);
     if (!run) return {};
     const auto of_rows = formats::read_set_names(run->trajectory_text, "trajectory");
-    const auto repeated = store.closures().repeated_points(id);  // in no dataset
-    if (!repeated) return {};
+    const auto points = points_in_dataset(store, id);
+    if (!points) return {};
     auto& names = by_run[id.value];
-    constexpr int kPage = 10'000;
-    for (std::int64_t after = 0;;) {
-      const auto points = store.points().points(id, after, kPage);
-      if (!points) return {};
-      for (const auto& point : *points) {
-        after = point.id.value;
-        if (std::ranges::binary_search(*repeated, point.id)) continue;
-        const auto row = static_cast<std::size_t>(point.row);
-        const bool has = of_rows && row < of_rows->size();
-        names.push_back(has                                 ? (*of_rows)[row]
-                        : point.set == PointSet::validation ? "validation"
-                                                            : "calibration");
-        any = any || (has && names.back() != "calibration" && names.back() != "validation");
-      }
-      if (points->size() < kPage) break;
+    for (const auto& point : *points) {
+      const auto row = static_cast<std::size_t>(point.row);
+      const bool has = of_rows && row < of_rows->size();
+      names.push_back(has                                 ? (*of_rows)[row]
+                      : point.set == PointSet::validation ? "validation"
+                                                          : "calibration");
+      any = any || (has && names.back() != "calibration" && names.back() != "validation");
     }
   }
   if (!any || (runs.size() > 1 && dataset.run.empty())) return {};

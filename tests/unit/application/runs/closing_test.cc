@@ -7,6 +7,8 @@
 #include <set>
 #include <sstream>
 
+#include "server/application/datasets/amended_dataset.h"
+#include "server/application/datasets/joined_runs.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -111,6 +113,64 @@ TEST_F(Closing, ALineIsMeasuredAgainAndTheDatasetHasOnePointPerRow) {
   EXPECT_EQ(repeated->line, 2);
   EXPECT_THAT(repeated->sentence, HasSubstr("unexplained, repeat the line (1 of 2)"));
   EXPECT_NEAR(std::abs(repeated->coordinates.front().found), 1e4, 100);
+}
+
+TEST_F(Closing, ARunWithARepeatedLineIsCorrectedAndJoinedAsAnyOther) {
+  rules("[closure]\nunexplained = \"repeat\"\n");
+  const auto run = cell().begin_run(lines_of(3, {2, -3}, false)).id;
+  until_accepted(1);
+  world.zero_mm -= kJump_mm;
+  ASSERT_EQ(cell().finish_run().state, RunState::done);
+  const auto old = repeated(run);
+  ASSERT_THAT(old, SizeIs(2));
+  const auto amended = cell().await(cell().read(
+      [run](Store& store) { return application::amended_data(store, std::vector{run}); }));
+  ASSERT_TRUE(amended) << amended.error().message;
+  EXPECT_EQ(amended->data.rows, 6u);
+  EXPECT_THAT(amended->origins, SizeIs(6));
+  const auto parts = cell().await(cell().read([this, run](Store& store) {
+    return application::join_parts(store, std::vector{run}, description);
+  }));
+  ASSERT_TRUE(parts) << parts.error().message;
+  EXPECT_THAT(parts->front().row, ElementsAre(0, 1, 2, 3, 4, 5));
+
+  const auto csv = cell().await(cell()->datasets.export_csv({run}, false));
+  ASSERT_TRUE(csv) << csv.error().message;
+  for (const auto& point : points(run)) {
+    if (std::ranges::binary_search(old, point.id)) continue;
+    EXPECT_EQ(amended->time_zero, point.measured.utc);
+    EXPECT_THAT(*csv, HasSubstr("# time_zero: " + to_iso8601(point.measured.utc) + "\n"))
+        << "time_s is 0 there";
+    break;
+  }
+}
+
+// The room warms by 2 K in the first line, which is measured again from a zero of its own.
+TEST_F(Closing, ARunIsCheckedFromTheZeroOfItsRowsAndNotOfTheRepeatedOnes) {
+  rules("[closure]\nunexplained = \"repeat\"\n");
+  world.warming_k_per_h = 6;
+  application::FitRequest fit;
+  fit.runs = {cell().begin_run(lines_of(14, {2, -3, 1, -1, 3, -2}, true)).id};
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  fit.formula = "q ~ x + T";
+  const auto model = cell().await(cell()->models.fit(cell().ada, fit));
+  ASSERT_TRUE(model) << model.error().message;
+
+  const auto run = cell().begin_run(lines_of(4, {2, -3, 1, -1, 3, -2}, false)).id;
+  until_accepted(1);
+  ASSERT_TRUE(cell().await(cell()->runs.pause(cell().ada, run)));
+  cell().until([&] { return cell().status().run->run.state == RunState::paused; });
+  cell().pass(1200);
+  world.zero_mm -= kJump_mm;
+  ASSERT_TRUE(cell().resume());
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  ASSERT_FALSE(repeated(run).empty());
+  ASSERT_THAT(dataset(run).datum, IsEmpty()) << "one zero";
+  const auto check = cell().await(cell()->checks.check_model(model->id, {run}));
+  ASSERT_TRUE(check) << check.error().message;
+  const auto& point = check->report.outputs.at(0).points.at(0);
+  ASSERT_TRUE(point.judged) << point.why_not;
+  EXPECT_LT(std::abs(point.bias), 100) << "2 K are 300 nm";
 }
 
 TEST_F(Closing, ALineThatIsRepeatedInVainIsSuspectWithAnAlarm) {
