@@ -113,6 +113,9 @@ std::size_t axis_of_symbol(const std::string& symbol) {
   return static_cast<std::size_t>(symbol.back() - 'x');
 }
 
+// Of a difference: its scatter and what it is off by on average.
+double size_of(const JoinCheck& check) { return std::hypot(check.sigma, check.median); }
+
 class Join {
  public:
   Join(JoinParts parts, const JoinRules& rules) : parts_(std::move(parts)), rules_(rules) {}
@@ -214,7 +217,8 @@ class Join {
     for (std::size_t i = 0; i < sources.size(); ++i)
       for (std::size_t j = i + 1; j < sources.size(); ++j) {
         auto check = difference_of(parts_, rows_, sources[i], sources[j], channel, channel);
-        if (check.rows > 0 && (!worst || check.sigma > worst->sigma)) worst = std::move(check);
+        if (check.rows > 0 && (!worst || size_of(check) > size_of(*worst)))
+          worst = std::move(check);
       }
     return worst;
   }
@@ -225,7 +229,7 @@ class Join {
     const auto m = static_cast<double>(sources.size());
     double square = 0;
     if (check) {
-      square = (check->sigma * check->sigma + check->median * check->median) / 2 / m;
+      square = size_of(*check) * size_of(*check) / 2 / m;
     } else {
       const auto& scatter = scatter_[sources.front()];
       if (const auto found = scatter.find(channel.name()); found != scatter.end())
@@ -326,16 +330,20 @@ class Join {
     constexpr double kTimes = 5;
     if (!check) return;
     double square = 0;
-    for (const auto p : sources)
+    for (const auto p : sources) {
+      if (parts_[p].name != check->first && parts_[p].name != check->second) continue;
       if (const auto found = scatter_[p].find(channel.name()); found != scatter_[p].end())
         square += found->second * found->second;
-    const double expected = std::sqrt(square);
-    if (expected <= 0 || check->sigma <= kTimes * expected) return;
+    }
+    const double expected = std::sqrt(square), size = size_of(*check);
+    if (expected <= 0 || size <= kTimes * expected) return;
     const auto unit = summary_unit(channel.unit);
     out_.report.warnings.push_back(fmt::format(
-        "{} of {} and {} differs by {} (sigma), {:.0f} times what their returns to zero say",
-        channel.name(), check->first, check->second,
-        quantity_text(unit.factor * check->sigma, unit.unit), check->sigma / expected));
+        "{} of {} and {} differs by {} (median {}, sigma {}), {:.0f} times what their "
+        "returns to zero say",
+        channel.name(), check->first, check->second, quantity_text(unit.factor * size, unit.unit),
+        quantity_text(unit.factor * check->median, unit.unit),
+        quantity_text(unit.factor * check->sigma, unit.unit), size / expected));
   }
 
   JoinParts parts_;
