@@ -60,6 +60,7 @@ Result<std::vector<Approach>> approaches_of(const Dataset& dataset, const AxisCo
     if (approach.target_mm > before_mm + kSameTarget_mm) approach.side = ApproachSide::up;
     if (approach.target_mm < before_mm - kSameTarget_mm) approach.side = ApproachSide::down;
     before_mm = approach.target_mm;
+    if (dataset.is_excluded(row)) continue;
     approach.measured_mm = measured_mm[row];
     approach.time_s = dataset.time_s.empty() ? 0 : dataset.time_s[row];
     approach.zero = !dataset.zero.empty() && dataset.zero[row] != 0;

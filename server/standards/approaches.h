@@ -34,7 +34,8 @@ struct AxisColumns {
 // Errors: invalid_argument BAD_AXIS; NO_COLUMN when the dataset has none of them.
 Result<AxisColumns> find_axis_columns(const Dataset& dataset, AxisColumns asked);
 
-// One entry per row in which target and measurement are there, in order of time.
+// One entry per row in use in which target and measurement are there, in order of time. A row that
+// is kept out, or whose measurement is missing, still is where the next one comes from.
 // columns: as find_axis_columns gives them. Errors: those of column_mm.
 Result<std::vector<Approach>> approaches_of(const Dataset& dataset, const AxisColumns& columns);
 

@@ -14,10 +14,11 @@ struct TemperatureRange {
 };
 
 struct Conditions {
-  double duration_s = kMissing;  // from the first to the last row; kMissing when untimed
+  double duration_s = kMissing;                // from the first to the last row; kMissing: untimed
   std::vector<TemperatureRange> temperatures;  // every channel in degC or K that has values
 };
 
+// Of the rows in use.
 Conditions conditions_of(const Dataset& dataset);
 
 }  // namespace driftwise::standards

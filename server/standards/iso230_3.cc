@@ -125,7 +125,8 @@ Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) 
     return lacks_drift(reasons::kUntimed, "needs the time of each row (time_s), found none");
   DRIFTWISE_TRY(auto approaches, approaches_of(dataset, columns));
   for (auto& approach : approaches) approach.zero = false;
-  const double start_s = dataset.time_s.front(), test_s = dataset.time_s.back() - start_s;
+  const auto span = time_span(dataset);
+  const double start_s = span.first_s, test_s = span.last_s - start_s;
   if (test_s < options.hours * 3600)
     return lacks_drift(reasons::kTooShort,
                        "needs " + number_with(options.hours, "h") + ", found " +

@@ -109,7 +109,7 @@ std::vector<VisitedPose> visited_poses(const Dataset& dataset, const PoseColumns
   std::vector<VisitedPose> out;
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     if (!dataset.zero.empty() && dataset.zero[row] != 0) continue;
-    if (!is_measured(columns, row)) continue;
+    if (dataset.is_excluded(row) || !is_measured(columns, row)) continue;
     auto at = std::ranges::find_if(out, [&](const VisitedPose& pose) {
       return same_command(columns, pose.first_row, row, options);
     });

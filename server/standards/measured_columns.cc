@@ -45,7 +45,20 @@ std::string first_present(const Dataset& dataset, const std::vector<std::string>
 
 std::size_t datum_count(const Dataset& dataset) {
   if (dataset.datum.empty()) return 1;
-  return std::set<std::int64_t>(dataset.datum.begin(), dataset.datum.end()).size();
+  std::set<std::int64_t> datums;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (!dataset.is_excluded(row)) datums.insert(dataset.datum[row]);
+  return datums.size();
+}
+
+TimeSpan time_span(const Dataset& dataset) {
+  TimeSpan span;
+  for (std::size_t row = 0; row < dataset.time_s.size(); ++row) {
+    if (dataset.is_excluded(row)) continue;
+    if (is_missing(span.first_s)) span.first_s = dataset.time_s[row];
+    span.last_s = dataset.time_s[row];
+  }
+  return span;
 }
 
 }  // namespace driftwise::standards

@@ -17,7 +17,13 @@ Result<std::vector<double>> column_arcsec(const Dataset& dataset, std::string_vi
 // The first of these symbols that the dataset has; empty when it has none.
 std::string first_present(const Dataset& dataset, const std::vector<std::string>& symbols);
 
-// Whether rows lie in more than one datum: a new zero in between shifts all that follows.
+// Of the rows in use: in more than one datum a new zero in between shifts all that follows.
 std::size_t datum_count(const Dataset& dataset);
+
+// time_s of the first and of the last row in use; kMissing: untimed, or none is in use.
+struct TimeSpan {
+  double first_s = kMissing, last_s = kMissing;
+};
+TimeSpan time_span(const Dataset& dataset);
 
 }  // namespace driftwise::standards

@@ -28,6 +28,13 @@ TEST(Approaches, RememberWhereTheAxisWasWhenNothingWasMeasuredThere) {
   EXPECT_THAT(sides_of(data), testing::ElementsAre(unknown, down));
 }
 
+TEST(Approaches, RememberWhereTheAxisWasInARowThatIsKeptOut) {
+  auto data = visits_of({{0, 0}, {2, 0}, {1, 0}});
+  data.excluded = {0, 1, 0};
+  using enum ApproachSide;
+  EXPECT_THAT(sides_of(data), testing::ElementsAre(unknown, down));
+}
+
 TEST(Positions, HoldTheirVisitsBySideAndLeaveReturnsToZeroOut) {
   auto data = visits_of({{0, 0}, {2, 0}, {1, 0}, {0, 0}, {1, 0}});
   data.zero = {1, 0, 0, 1, 0};

@@ -170,6 +170,41 @@ TEST(Iso2302, TakesTheFirstFiveApproachesWhereThereAreMore) {
   EXPECT_THAT(after->warnings, testing::ElementsAre(HasSubstr("the first ones in time count")));
 }
 
+// The axis still turned round there.
+TEST(Iso2302, IsTheSameWithoutTheRowsInWhichTheAxisTurnedRound) {
+  auto data = standards_dataset("iso230_2.csv");
+  const auto before = iso230_2(data, {});
+  for (const double target_mm : data.find("q1_cmd")->values)
+    data.excluded.push_back(std::abs(target_mm) > 3.4 ? 1 : 0);
+  const auto after = iso230_2(data, {});
+  ASSERT_TRUE(after) << after.error().message;
+  EXPECT_EQ(after->a.both_nm, before->a.both_nm);
+  EXPECT_EQ(after->r.up_nm, before->r.up_nm);
+  EXPECT_EQ(after->r.down_nm, before->r.down_nm);
+  EXPECT_TRUE(after->turning_points_mm.empty()) << "those rows are in no figure";
+}
+
+// Six passes of five positions; +-500 nm of play. Kept out: in the second pass the reading at the
+// end going up and the overrun after it, as a stretch of time that somebody keeps out.
+TEST(Iso2302, AStretchThatIsKeptOutLeavesTheSidesOfTheOtherReadings) {
+  std::vector<std::pair<double, double>> visits = {{-1, 0}};
+  for (int pass = 0; pass < 6; ++pass) {
+    for (int p = 0; p < 5; ++p) visits.emplace_back(p, 500 + pass);
+    visits.emplace_back(5, 0);
+    for (int p = 4; p >= 0; --p) visits.emplace_back(p, -500 - pass);
+    visits.emplace_back(-1, 0);
+  }
+  auto data = visits_of(visits);
+  data.excluded.assign(data.rows, 0);
+  constexpr std::size_t kSecondPass = 1 + 12;
+  data.excluded[kSecondPass + 4] = data.excluded[kSecondPass + 5] = 1;
+  const auto found = iso230_2(data, {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NEAR(found->positions[4].up.mean_nm, 500 + (0 + 2 + 3 + 4 + 5) / 5.0, 1e-6);
+  EXPECT_NEAR(found->positions[4].down.mean_nm, -500 - (0 + 1 + 2 + 3 + 4) / 5.0, 1e-6);
+  EXPECT_LT(found->r.up_nm, 10);
+}
+
 TEST(Iso2302, SaysWhichPositionHasHowManyApproaches) {
   // Every position from below only, as in a plan that always returns to the low end.
   std::vector<std::pair<double, double>> visits;

@@ -57,6 +57,15 @@ TEST(Iso9283, SaysWhichPoseHasHowManyCycles) {
   EXPECT_THAT(asked->warnings, testing::Contains(HasSubstr("30 cycles")));
 }
 
+TEST(Iso9283, CountsNoRowThatIsKeptOut) {
+  auto data = standards_dataset("iso9283.csv");
+  data.excluded.assign(data.rows, 0);
+  data.excluded[7] = 1;
+  const auto kept = iso9283(data, {});
+  ASSERT_FALSE(kept);
+  EXPECT_THAT(kept.error().message, HasSubstr("(0.2, 1.8, 1.8) mm has 29"));
+}
+
 TEST(Iso9283, RefusesUnequalColumns) {
   const auto data = standards_dataset("iso9283.csv");
   EXPECT_EQ(iso9283(data, {.command = {"x_target"}, .measured = {"x", "y"}}).error().reason,

@@ -5,7 +5,6 @@
 #include "clients/cli/commands/data/exported_csv.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
-#include "server/core/data/row_marks.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/standards/standards_json.h"
 #include "server/formats/standards/standards_page.h"
@@ -23,18 +22,15 @@ struct StandardArguments {
 };
 
 // The run's dataset is exact to the last digit: the figures here are the daemon's. Rows kept out
-// are no figures either, of a file as of a run.
+// stay in it, marked: they are no figures, but the next row comes from where they are.
 Dataset dataset_of(const Session& session, const StandardArguments& a) {
   if (a.file.empty() == (a.run == 0))
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   std::string("of what? found ") + (a.file.empty() ? "neither" : "both") +
                       " a file and --run; give one of them"};
-  if (!a.file.empty()) {
-    auto data = value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
-    leave_excluded_out(data);
-    return data;
-  }
-  return value_or_throw(formats::read_dataset_csv(exported_csv(session, {a.run}, true),
+  if (!a.file.empty())
+    return value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
+  return value_or_throw(formats::read_dataset_csv(exported_csv(session, {a.run}, false),
                                                   "run " + std::to_string(a.run)));
 }
 
