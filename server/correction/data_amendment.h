@@ -29,6 +29,10 @@ struct LengthShift {
   // were found in only, and what was found in a file is of the file's instrument. Empty: all those.
   std::vector<RunId> runs;
   CellTime clock_origin;  // what time_s counted from there
+  // Id of the instrument whose error it is. Where `runs` is empty the shift is for the runs whose
+  // axis it measured: who lays it over says which (application/datasets/instruments.h). Empty: not
+  // known.
+  std::string device = {};
   bool operator==(const LengthShift&) const = default;
 };
 

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "server/application/datasets/extension_preview.h"
+#include "server/application/datasets/instruments.h"
 #include "server/application/ports/run_plan.h"
 #include "server/core/data/dataset_parts.h"
 #include "server/core/data/measured_by.h"
@@ -153,7 +154,8 @@ void confine(correction::DataAmendment& amendment, const std::vector<RunId>& run
     if (shift.runs.empty()) shift.runs = runs;
 }
 
-// Earlier versions accepted a finding about a file's instrument for every run.
+// Earlier versions accepted a finding about an instrument of a file, or of one set-up, for every
+// run.
 Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRecord& record) {
   auto amendment = formats::read_amendment_json(record.json);
   if (!amendment)
@@ -162,7 +164,21 @@ Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRec
   if (!record.diagnosis || !concerns_every_run(*amendment)) return amendment;
   DRIFTWISE_TRY(const auto diagnosis, store.diagnoses().diagnosis(*record.diagnosis));
   DRIFTWISE_TRY(const bool of_file, any_of_file(store, diagnosis.runs));
-  if (of_file) confine(*amendment, diagnosis.runs);
+  if (of_file) {
+    confine(*amendment, diagnosis.runs);
+    return amendment;
+  }
+  const auto is_open = [](const auto& shift) { return shift.runs.empty() && shift.device.empty(); };
+  if (std::ranges::none_of(amendment->shifts, is_open)) return amendment;
+  DRIFTWISE_TRY(const auto instruments, instruments_of(store, diagnosis.runs));
+  for (auto& shift : amendment->shifts) {
+    const auto by = instruments.find(shift.axis);
+    if (!is_open(shift) || by == instruments.end()) continue;
+    if (by->second.size() == 1)
+      shift.device = by->second.front();
+    else
+      shift.runs = diagnosis.runs;
+  }
   return amendment;
 }
 
@@ -189,7 +205,8 @@ Result<std::vector<CorrectionRecord>> corrections_of(Store& store, std::span<con
   }
   std::vector<CorrectionRecord> over;
   for (auto& record : records) {
-    DRIFTWISE_TRY(const auto amendment, amendment_of(store, record));
+    DRIFTWISE_TRY(auto whole, amendment_of(store, record));
+    DRIFTWISE_TRY(const auto amendment, held_for(store, std::move(whole), runs));
     if (std::ranges::any_of(asked, [&](const auto& run) { return concerns(amendment, run); }))
       over.push_back(std::move(record));
   }
@@ -222,10 +239,12 @@ Result<std::vector<std::string>> corrections_since(Store& store, std::span<const
 Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
   auto out = measured_data(store, runs);
   if (!out) return out;
-  DRIFTWISE_TRY(const auto amendments, amendments_in_force(store));
-  for (const auto& amendment : amendments)
+  DRIFTWISE_TRY(auto amendments, amendments_in_force(store));
+  for (auto& whole : amendments) {
+    DRIFTWISE_TRY(const auto amendment, held_for(store, std::move(whole), runs));
     DRIFTWISE_RETURN_IF_ERROR(
         correction::amend(amendment, out->origins, out->time_zero, out->data));
+  }
   return out;
 }
 

@@ -25,7 +25,8 @@ Result<std::vector<PointRecord>> points_in_dataset(Store& store, RunId run, std:
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs);
 
 // A correction holds where the instrument measured that it was found in: found in rows of a file,
-// for the diagnosed runs alone; else for every run that the cell measured.
+// for the diagnosed runs alone; else for every run whose axis that device of the cell measured
+// (instruments.h).
 void confine(correction::DataAmendment& amendment, const std::vector<RunId>& runs);
 // The change that a stored correction makes, confined. Errors: data_loss BAD_CORRECTION.
 Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRecord& record);

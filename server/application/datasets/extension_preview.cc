@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/datasets/instruments.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -28,6 +29,7 @@ Result<std::vector<LengthChange>> length_changes(Store& store, RunId run,
   DRIFTWISE_TRY(const auto before, amended_data(store, {&run, 1}));
   correction::DataAmendment shifts;
   shifts.shifts = amendment.shifts;
+  DRIFTWISE_TRY(shifts, held_for(store, std::move(shifts), {&run, 1}));
   Dataset after = before.data;
   DRIFTWISE_RETURN_IF_ERROR(correction::amend(shifts, before.origins, before.time_zero, after));
   std::vector<LengthChange> changes;

@@ -17,7 +17,7 @@ Result<std::vector<LengthChange>> length_changes(Store& store, RunId run,
                                                  const correction::DataAmendment& amendment);
 
 // Runs whose data an amendment can change: every one that the cell measured, or those that it
-// names.
+// names. The device of a shift is not looked at: ask about what held_for gives.
 bool concerns(const correction::DataAmendment& amendment, const RunRecord& run);
 bool concerns_every_run(const correction::DataAmendment& amendment);
 

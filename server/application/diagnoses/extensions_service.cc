@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/application/datasets/extension_preview.h"
+#include "server/application/datasets/instruments.h"
 #include "server/application/diagnoses/extension_fit.h"
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/diagnoses/taken_side.h"
@@ -30,6 +31,7 @@ struct AcceptMaterial {  // read from the store
   std::vector<int> chosen;
   std::string taken_as;
   RunsData data;
+  Instruments instruments;                // of all the runs
   std::vector<CorrectionId> corrections;  // in force over them
   std::vector<std::string> changed;       // corrections of them, since they were diagnosed
   std::optional<ModelRecord> parent;
@@ -69,6 +71,7 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
                             material.record.id.value, standing->accepted_by));
   DRIFTWISE_TRY(auto data, amended_data(store, material.record.runs));
   material.data = std::move(data);
+  DRIFTWISE_TRY(material.instruments, instruments_of(store, material.record.runs));
   DRIFTWISE_TRY(auto corrections, corrections_over(store, material.record.runs));
   material.corrections = std::move(corrections);
   DRIFTWISE_TRY(auto changed,
@@ -115,11 +118,28 @@ FitRequest fit_of(const AcceptMaterial& material, const ExtensionPlan& plan) {
   return fit;
 }
 
+// A correction holds for every run only of one instrument, which is kept with it.
+Result<void> name_instruments(const Instruments& instruments,
+                              correction::DataAmendment& amendment) {
+  for (auto& shift : amendment.shifts) {
+    const auto by = instruments.find(shift.axis);
+    if (!shift.runs.empty() || by == instruments.end()) continue;
+    if (by->second.size() != 1)
+      return fail(ErrorCode::failed_precondition, reasons::kUncertainCorrection,
+                  fmt::format("{} of the diagnosed runs was measured by {}: whose error the "
+                              "finding is, they do not tell. Diagnose runs of one of them",
+                              shift.axis, fmt::join(by->second, " and ")));
+    shift.device = by->second.front();
+  }
+  return {};
+}
+
 // A correction has the size that was found in the data of then. Laid over others that came since,
 // it would take the same error off twice.
 Result<ExtensionPlan> plan_of(const AcceptMaterial& material) {
   DRIFTWISE_TRY(auto plan, plan_extension(material.record.id, material.found, material.chosen,
                                           material.data, material.taken_as));
+  DRIFTWISE_RETURN_IF_ERROR(name_instruments(material.instruments, plan.amendment));
   const auto& amendment = plan.amendment;
   const bool has_size = !amendment.shifts.empty() || !amendment.angles.empty();
   if (material.changed.empty() || !(has_size || !amendment.splits.empty())) return plan;
@@ -169,8 +189,18 @@ std::vector<std::string> sentences_of(const correction::DataAmendment& amendment
   return sentences;
 }
 
+// " with laser-x": the instruments whose error it is, where they are known.
+std::string with_instruments(const correction::DataAmendment& amendment) {
+  std::vector<std::string> devices;
+  for (const auto& shift : amendment.shifts)
+    if (!shift.device.empty() && std::ranges::find(devices, shift.device) == devices.end())
+      devices.push_back(shift.device);
+  return devices.empty() ? "" : fmt::format(" with {}", fmt::join(devices, " or "));
+}
+
+// with: as with_instruments has it.
 std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool promote,
-                                      const Clock& clock) {
+                                      const std::string& with, const Clock& clock) {
   constexpr std::size_t kMostNamed = 12;
   std::vector<std::string> sentences;
   sentences.push_back(fmt::format(
@@ -189,7 +219,8 @@ std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool prom
     sentences.push_back(
         "every export, fit and check of these runs sees the corrected lengths from "
         "now on; the stored points stay as they were");
-  if (preview.later_runs) sentences.push_back("and so does every run that is measured later");
+  if (preview.later_runs)
+    sentences.push_back("and so does every run that is measured later" + with);
   for (const auto& out : preview.excluded)
     sentences.push_back(fmt::format("{} row{} of run {} {} kept out of fits", out.rows.size(),
                                     out.rows.size() == 1 ? "" : "s", out.run.value,
@@ -334,7 +365,8 @@ Awaitable<Result<ExtensionPreview>> ExtensionsService::preview(AcceptRequest req
                       number, note));
   preview.promotion_questions = made.questions;
   preview.questions_for_a_reason = made.for_a_reason;
-  preview.sentences = sentences_of(preview, request.promote, clock_);
+  preview.sentences =
+      sentences_of(preview, request.promote, with_instruments(plan.amendment), clock_);
   co_return preview;
 }
 

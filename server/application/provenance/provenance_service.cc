@@ -4,6 +4,7 @@
 
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/datasets/extension_preview.h"
+#include "server/application/datasets/instruments.h"
 #include "server/application/provenance/data_of_model.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/application/provenance/stored_description.h"
@@ -21,8 +22,10 @@ Result<RunGround> ground_of(Store& store, RunId run,
   ground.configurations = std::move(used);
   for (const auto& correction : corrections) {
     if (!correction.in_force()) continue;
-    const auto amendment = amendment_of(store, correction);
-    if (!amendment || !concerns(*amendment, record)) continue;
+    auto whole = amendment_of(store, correction);
+    if (!whole) continue;
+    DRIFTWISE_TRY(const auto amendment, held_for(store, std::move(*whole), {&run, 1}));
+    if (!concerns(amendment, record)) continue;
     auto& mine = ground.corrections.emplace_back(correction);
     std::erase_if(mine.changes, [run](const LengthChange& change) { return change.run != run; });
   }

@@ -2,6 +2,8 @@
 
 #include <toml++/toml.h>
 
+#include <set>
+
 #include "server/core/channel.h"
 #include "server/formats/text/toml_text.h"
 
@@ -27,6 +29,26 @@ std::map<std::string, std::string> setup_instruments(std::string_view cell_text,
     }
   } catch (const toml::parse_error&) {  // a description that was not made from a file
   }
+  return devices;
+}
+
+std::map<std::string, std::string> length_instruments(std::string_view cell_text) {
+  std::map<std::string, std::string> devices;
+  std::set<std::string> several;
+  try {
+    const auto root = parse_toml(cell_text);
+    const auto* all = root.get_as<toml::array>("device");
+    for (std::size_t i = 0; all != nullptr && i < all->size(); ++i) {
+      const auto* table = all->get_as<toml::table>(i);
+      if (table == nullptr) continue;
+      const auto channel = parse_robot_channel((*table)["length"].value_or(std::string()));
+      const auto id = (*table)["id"].value<std::string>();
+      if (channel && id && !devices.emplace(channel->symbol, *id).second)
+        several.insert(channel->symbol);
+    }
+  } catch (const toml::parse_error&) {  // likewise
+  }
+  for (const auto& symbol : several) devices.erase(symbol);
   return devices;
 }
 

@@ -18,6 +18,7 @@ Json shift_json(const correction::LengthShift& shift) {
            {"runs", Json::array()},
            {"clock_origin_ns", shift.clock_origin.utc_ns}};
   for (const RunId run : shift.runs) one["runs"].push_back(run.value);
+  if (!shift.device.empty()) one["device"] = shift.device;
   for (std::size_t j = 0; j < shift.terms.size(); ++j)
     one["terms"].push_back(
         {{"term", effects::notation(shift.terms[j])}, {"mm", json_number(shift.mm[j])}});
@@ -37,6 +38,7 @@ correction::LengthShift read_shift(const JsonPlace& from) {
   const auto runs = from["runs"];
   for (std::size_t i = 0; i < runs.size(); ++i) shift.runs.push_back({runs[i].integer(1)});
   shift.clock_origin.utc_ns = from["clock_origin_ns"].integer();
+  if (from.has("device")) shift.device = from["device"].text();
   return shift;
 }
 

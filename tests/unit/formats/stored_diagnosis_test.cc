@@ -187,6 +187,7 @@ TEST(AmendmentJson, ComesBackAsItWas) {
                        {5.25e-6, -1e-3},
                        {RunId{3}, RunId{4}},
                        {1'790'000'000'000'000'000}}};
+  amendment.shifts.push_back({"ma.z", {*parse_term("ma.rx")}, {1e-3}, {}, {}, "touch"});
   amendment.splits = {{{3}, 25}};
   amendment.sensors = {{{4}, "t07"}};
   const auto back = read_amendment_json(write_amendment_json(amendment));

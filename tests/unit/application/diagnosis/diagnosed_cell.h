@@ -3,6 +3,10 @@
 // a diagnosis, not the diagnosis.
 
 #include <boost/asio/io_context.hpp>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <random>
 
 #include "server/formats/formula/formula.h"
 #include "tests/support/cell_in_memory.h"
@@ -38,6 +42,30 @@ inline dx::Diagnosis diagnosis_with(const std::string& baseline,
   d.verdict = findings.empty() ? dx::Verdict::adequate : dx::Verdict::extended;
   d.findings = std::move(findings);
   return d;
+}
+
+inline constexpr double kPeriodNm = 93'000;  // long enough for the plan below to see it
+inline constexpr double kCycleNm = 40;
+
+// An imported campaign of an axis with q = 1.0002 x_true, whose interferometer reads a cycle too
+// much and whose row 7 is wrong.
+inline std::string imported_csv(unsigned seed = 7) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise_nm(0, 2);
+  std::string csv = "time_s,set,q1_mm,x_mm,t01_degC\n";
+  for (int row = 0; row < 240; ++row) {
+    const double x_true_mm = row == 0 ? 0 : -4 + 8.0 * ((row * 89) % 240) / 240.0;
+    const double cycle_mm =
+        kCycleNm * 1e-6 * std::sin(2 * std::numbers::pi * x_true_mm * 1e6 / kPeriodNm);
+    const double wrong_mm = row == 7 ? 5e-3 : 0;
+    char line[200];
+    std::snprintf(line, sizeof line, "%d,%s,%.9f,%.9f,%.6f\n", 20 * row,
+                  row % 4 == 3 ? "validation" : "calibration",
+                  1.0002 * x_true_mm + wrong_mm + 1e-6 * noise_nm(random), x_true_mm + cycle_mm,
+                  20.5 + 0.001 * row);
+    csv += line;
+  }
+  return csv;
 }
 
 class DiagnosedCell {
