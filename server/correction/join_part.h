@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/core/data/dataset.h"
+#include "server/core/ids.h"
 #include "server/core/trajectory/trajectory.h"
 #include "server/correction/correction.h"
 
@@ -21,12 +22,13 @@ struct JoinPart {
   // Row of the trajectory, counted from 0, of each row of the data; each once. Empty: a file, whose
   // rows are in the order of its trajectory.
   std::vector<std::int64_t> row;
-  std::optional<Trajectory> trajectory;  // none: motor coordinates are compared instead
-  std::string tool;                      // empty: not said
-  std::string model;                     // that the motion was compensated with; empty: none
-  std::vector<ChannelValue> datum;       // temperatures at its datums; empty: of its first return
-  std::optional<Stage> stage;            // correction stage of its cell
-  std::string hash;                      // of its data
+  std::optional<Trajectory> trajectory;   // none: motor coordinates are compared instead
+  std::string tool;                       // empty: not said
+  std::string model;                      // that the motion was compensated with; empty: none
+  std::vector<ChannelValue> datum;        // temperatures at its datums; empty: of its first return
+  std::optional<Stage> stage;             // correction stage of its cell
+  std::string hash;                       // of its data
+  std::vector<CorrectionId> corrections;  // that are in its data, ascending
 
   std::int64_t row_of(std::size_t index) const {
     return row.empty() ? static_cast<std::int64_t>(index) : row[index];

@@ -9,6 +9,7 @@
 
 #include "server/application/datasets/extension_preview.h"
 #include "server/application/datasets/instruments.h"
+#include "server/application/datasets/joined_runs.h"
 #include "server/application/ports/run_plan.h"
 #include "server/core/data/dataset_parts.h"
 #include "server/core/data/measured_by.h"
@@ -220,6 +221,13 @@ Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const
   std::vector<CorrectionId> over;
   for (const auto& record : records)
     if (record.in_force()) over.push_back(record.id);
+  for (const RunId id : runs) {
+    DRIFTWISE_TRY(const auto run, store.runs().run(id));
+    for (const CorrectionId inside : corrections_in(run)) over.push_back(inside);
+  }
+  std::ranges::sort(over);
+  const auto again = std::ranges::unique(over);
+  over.erase(again.begin(), again.end());
   return over;
 }
 

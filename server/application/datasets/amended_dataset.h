@@ -34,8 +34,8 @@ Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRec
 // Errors: data_loss BAD_CORRECTION.
 Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store);
 
-// Corrections in force that can change the data of one of these runs, ascending. Errors: data_loss
-// BAD_CORRECTION.
+// Corrections in the data of these runs, ascending: those in force that can change one of them, and
+// what a join took into its rows, undone or not (corrections_in). Errors: data_loss BAD_CORRECTION.
 Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs);
 // Changes of the corrections of these runs' data since an instant: "correction 3 came into
 // force", "correction 1 was taken back"; empty: they are those of then. Errors: data_loss

@@ -36,16 +36,6 @@ std::string compensations(Store& store, const std::vector<RunId>& runs) {
   return text;
 }
 
-// "1, 3": whoever reads the file elsewhere shall know that its lengths are not as they were read.
-std::string corrections_in_force(Store& store) {
-  std::string numbers;
-  if (const auto records = store.extensions().corrections())
-    for (const auto& record : *records)
-      if (record.in_force())
-        numbers += (numbers.empty() ? "" : ", ") + std::to_string(record.id.value);
-  return numbers;
-}
-
 // The instant of the runs' first row; nothing when none was measured.
 std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) {
   std::optional<CellTime> first;
@@ -162,8 +152,12 @@ Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool 
       dataset.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
     dataset.metadata.insert(dataset.metadata.end(), parts.begin(), parts.end());
   }
-  if (const auto in_force = corrections_in_force(store); !in_force.empty())
-    dataset.metadata.emplace_back("corrections", in_force);
+  // "1, 3": a reader elsewhere learns that the lengths are not as they were read.
+  DRIFTWISE_TRY(const auto corrections, corrections_over(store, runs));
+  std::string corrected;
+  for (const CorrectionId id : corrections)
+    corrected += (corrected.empty() ? "" : ", ") + std::to_string(id.value);
+  if (!corrected.empty()) dataset.metadata.emplace_back("corrections", corrected);
   auto csv = formats::write_dataset_csv(dataset);
   return set_names.empty() ? csv : formats::with_set_names(csv, set_names);
 }

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/datasets/extension_preview.h"
 #include "server/application/ports/run_plan.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -19,15 +21,23 @@
 namespace driftwise::application {
 namespace {
 
-// Of the amendments in force what names runs: the rest is laid over the joined run.
-std::vector<correction::DataAmendment> of_single_runs(
-    std::vector<correction::DataAmendment> amendments) {
-  for (auto& amendment : amendments) {
+struct NumberedAmendment {
+  CorrectionId id;
+  correction::DataAmendment amendment;
+};
+
+// Of the corrections in force what names runs: the rest is laid over the joined run.
+Result<std::vector<NumberedAmendment>> of_single_runs(Store& store) {
+  DRIFTWISE_TRY(const auto records, store.extensions().corrections());
+  std::vector<NumberedAmendment> found;
+  for (const auto& record : records) {
+    if (!record.in_force()) continue;
+    DRIFTWISE_TRY(auto amendment, amendment_of(store, record));
     std::erase_if(amendment.shifts, [](const auto& shift) { return shift.runs.empty(); });
     std::erase_if(amendment.angles, [](const auto& shift) { return shift.runs.empty(); });
+    if (!amendment.empty()) found.push_back({record.id, std::move(amendment)});
   }
-  std::erase_if(amendments, [](const auto& amendment) { return amendment.empty(); });
-  return amendments;
+  return found;
 }
 
 std::string model_text(const RunRecord& run) {
@@ -77,7 +87,7 @@ void describe(Store& store, const RunRecord& run, const CellDescription& present
 }
 
 Result<correction::JoinPart> part_of(Store& store, RunId id,
-                                     const std::vector<correction::DataAmendment>& amendments,
+                                     const std::vector<NumberedAmendment>& corrections,
                                      const CellDescription& present) {
   DRIFTWISE_TRY(const auto run, store.runs().run(id));
   if (!is_over(run.state))
@@ -85,10 +95,15 @@ Result<correction::JoinPart> part_of(Store& store, RunId id,
         ErrorCode::failed_precondition, reasons::kRunUnderWay,
         fmt::format("run {} is {}: join it when it is over", id.value, to_string(run.state)));
   DRIFTWISE_TRY(auto measured, measured_data(store, {&id, 1}));
-  for (const auto& amendment : amendments)
+  correction::JoinPart part;
+  part.corrections = corrections_in(run);
+  for (const auto& [number, amendment] : corrections) {
+    if (!concerns(amendment, run)) continue;
     DRIFTWISE_RETURN_IF_ERROR(
         correction::amend(amendment, measured.origins, measured.time_zero, measured.data));
-  correction::JoinPart part;
+    part.corrections.push_back(number);
+  }
+  std::ranges::sort(part.corrections);
   part.name = fmt::format("run {}", id.value);
   part.hash = formats::content_hash(formats::write_dataset_csv(measured.data));
   part.data = std::move(measured.data);
@@ -111,14 +126,29 @@ Result<correction::JoinPart> part_of(Store& store, RunId id,
 
 Result<correction::JoinParts> join_parts(Store& store, const std::vector<RunId>& runs,
                                          const CellDescription& present) {
-  DRIFTWISE_TRY(auto amendments, amendments_in_force(store));
-  amendments = of_single_runs(std::move(amendments));
+  DRIFTWISE_TRY(const auto corrections, of_single_runs(store));
   correction::JoinParts parts;
   for (const RunId run : runs) {
-    DRIFTWISE_TRY(auto part, part_of(store, run, amendments, present));
+    DRIFTWISE_TRY(auto part, part_of(store, run, corrections, present));
     parts.push_back(std::move(part));
   }
   return parts;
+}
+
+std::vector<CorrectionId> corrections_in(const RunRecord& run) {
+  std::vector<CorrectionId> found;
+  if (run.reason != "imported") return found;
+  const auto rules = nlohmann::json::parse(run.rules_json, nullptr, false);
+  const auto parts = nlohmann::json::json_pointer("/joined/parts");
+  if (rules.is_discarded() || !rules.contains(parts) || !rules.at(parts).is_array()) return found;
+  for (const auto& part : rules.at(parts))
+    if (const auto numbers = part.find("corrections"); numbers != part.end())
+      for (const auto& number : *numbers)
+        if (number.is_number_integer()) found.push_back({number.get<std::int64_t>()});
+  std::ranges::sort(found);
+  const auto again = std::ranges::unique(found);
+  found.erase(again.begin(), again.end());
+  return found;
 }
 
 Result<JoinedRuns> join_runs(correction::JoinParts parts, const correction::JoinRules& rules,

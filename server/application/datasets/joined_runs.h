@@ -16,6 +16,10 @@ namespace driftwise::application {
 Result<correction::JoinParts> join_parts(Store& store, const std::vector<RunId>& runs,
                                          const CellDescription& present);
 
+// Corrections that named single runs and so are in the rows of a joined run, ascending: undoing
+// them does not take them out. None: no joined run. Any thread.
+std::vector<CorrectionId> corrections_in(const RunRecord& run);
+
 struct JoinedRuns {
   Dataset data;  // with its provenance in the metadata
   std::string report_json;

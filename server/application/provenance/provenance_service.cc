@@ -5,6 +5,7 @@
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/datasets/extension_preview.h"
 #include "server/application/datasets/instruments.h"
+#include "server/application/datasets/joined_runs.h"
 #include "server/application/provenance/data_of_model.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/application/provenance/stored_description.h"
@@ -20,12 +21,15 @@ Result<RunGround> ground_of(Store& store, RunId run,
   DRIFTWISE_TRY(auto used, store.configurations().of_run(run));
   DRIFTWISE_TRY(const auto record, store.runs().run(run));
   ground.configurations = std::move(used);
+  const auto inside = corrections_in(record);
   for (const auto& correction : corrections) {
-    if (!correction.in_force()) continue;
-    auto whole = amendment_of(store, correction);
-    if (!whole) continue;
-    DRIFTWISE_TRY(const auto amendment, held_for(store, std::move(*whole), {&run, 1}));
-    if (!concerns(amendment, record)) continue;
+    if (std::ranges::find(inside, correction.id) == inside.end()) {
+      if (!correction.in_force()) continue;
+      auto whole = amendment_of(store, correction);
+      if (!whole) continue;
+      DRIFTWISE_TRY(const auto amendment, held_for(store, std::move(*whole), {&run, 1}));
+      if (!concerns(amendment, record)) continue;
+    }
     auto& mine = ground.corrections.emplace_back(correction);
     std::erase_if(mine.changes, [run](const LengthChange& change) { return change.run != run; });
   }

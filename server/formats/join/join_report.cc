@@ -88,12 +88,15 @@ std::vector<MeasuredBy> instruments_of(const correction::JoinParts& parts,
 Json join_json(const correction::JoinParts& parts, const correction::JoinRules& rules,
                const correction::JoinReport& report) {
   Json json{{"schema", "driftwise.join.v1"}, {"parts", Json::array()}};
-  for (const auto& part : parts)
-    json["parts"].push_back({{"name", part.name},
-                             {"rows", part.data.rows},
-                             {"hash", part.hash},
-                             {"tool", part.tool},
-                             {"model", part.model}});
+  for (const auto& part : parts) {
+    Json one{{"name", part.name},
+             {"rows", part.data.rows},
+             {"hash", part.hash},
+             {"tool", part.tool},
+             {"model", part.model}};
+    for (const CorrectionId id : part.corrections) one["corrections"].push_back(id.value);
+    json["parts"].push_back(std::move(one));
+  }
   json["rules"] = {{"subtract_returns", rules.subtract_returns},
                    {"max_temperature_difference_k", rules.max_temperature_difference_k},
                    {"max_zero_difference_nm", nm_from_mm(rules.max_zero_difference_mm)}};

@@ -1,4 +1,5 @@
-// Runs that an accepted correction holds for: those of the same instrument.
+// Runs that an accepted correction holds for: those of the same instrument, and what a join took
+// into its rows.
 
 #include <gmock/gmock.h>
 
@@ -130,6 +131,47 @@ TEST_F(CorrectionReach, InstrumentsAreThoseOfTheCellFile) {
       [run](Store& store) { return application::instruments_of(store, std::vector{run}); }));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(*found, (application::Instruments{{"x", {"laser-x"}}}));
+}
+
+TEST_F(CorrectionReach, AnExportNamesTheCorrectionsThatAreInIt) {
+  const RunId laser = own("laser-x", 7), probe = own("probe", 8);
+  const RunId file = imported("elsewhere", "# place: elsewhere\n", 9);
+  const auto of_probe = exported(probe), of_file = exported(file);
+  ASSERT_TRUE(accept(diagnosed({laser})));
+  EXPECT_THAT(exported(laser), HasSubstr("# corrections: 1\n"));
+  EXPECT_EQ(exported(probe), of_probe);
+  EXPECT_EQ(exported(file), of_file);
+}
+
+// A sensor that is left out of a run is left out before the run is joined.
+TEST_F(CorrectionReach, AJoinKeepsTheCorrectionsThatItTookIn) {
+  const auto plan = lines_of(8, {2, -3, 1, -1, 3, -2}, true);
+  const RunId first = d.measured(plan), second = d.measured(plan);
+  findings = {finding_of("sensor_fault", "t03", AppliesTo::dataset, {}, {})};
+  const auto id = diagnosed({first});
+  const auto made = accept(id);
+  ASSERT_TRUE(made) << made.error().message;
+  const auto joined = d.cell.await(d.cell->datasets.join(d.cell.ada, {.runs = {first, second}}));
+  ASSERT_TRUE(joined) << joined.error().message;
+  EXPECT_THAT(joined->report_json, HasSubstr("\"corrections\":[1]"));
+  const RunId run = joined->run->id;
+  application::FitRequest fit;
+  fit.runs = {run};
+  fit.formula = "q ~ x";
+  const auto model = d.cell.await(d.cell->models.fit(d.cell.ada, fit));
+  ASSERT_TRUE(model) << model.error().message;
+  ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, id)));
+  EXPECT_THAT(over(first), IsEmpty());
+  EXPECT_THAT(over(run), ElementsAre(CorrectionId{1})) << "its rows are as they were joined";
+  EXPECT_THAT(exported(run), HasSubstr("# corrections: 1\n"));
+  const auto grounds = d.cell.await(d.cell->provenance.grounds_of_runs({run}));
+  ASSERT_TRUE(grounds);
+  ASSERT_EQ(grounds->at(0).corrections.size(), 1u);
+  EXPECT_FALSE(grounds->at(0).corrections[0].in_force());
+  const auto ground = d.cell.await(d.cell->provenance.ground_of_model(model->id));
+  ASSERT_TRUE(ground);
+  EXPECT_THAT(ground->promotion_questions,
+              testing::Contains(HasSubstr("correction 1 of diagnosis 1")));
 }
 
 }  // namespace
