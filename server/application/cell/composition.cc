@@ -164,7 +164,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
                       text_thread.executor(), [this] { return improver.busy(); },
                       [this](AlarmCondition condition) { alarms.note(std::move(condition)); }}),
       queue(description, *clock, events, trajectories, models, queue_desk),
-      plans(description, *clock, reader, writer, events, models, joint_serving,
+      plans(description, *clock, reader, writer, events, models, provenance, joint_serving,
             worker_thread.executor()),
       jogs(on, workbench, engine, right, leases, tasks, given.measure_pauses),
       rests(on, *clock, recorder, writer, events, engine, right, tasks),

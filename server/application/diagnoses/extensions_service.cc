@@ -254,6 +254,15 @@ std::string made_of(const ExtensionRecord& made, const char* served = "which ser
   return text;
 }
 
+// The plan that was promoted last, where it serves with this model.
+Result<std::optional<PlanId>> plan_with(Store& store, ModelId model) {
+  DRIFTWISE_TRY(const auto history, store.plans().plan_promotions());
+  if (history.empty() || !history.back().plan) return std::optional<PlanId>();
+  DRIFTWISE_TRY(const auto plan, store.plans().plan(*history.back().plan));
+  const bool has = std::ranges::any_of(plan.models, [&](auto& one) { return one.first == model; });
+  return has ? std::optional(plan.id) : std::nullopt;
+}
+
 // Models of extensions that were undone, with that of the one that is being undone.
 Result<std::vector<ModelId>> withdrawn_models(Store& store, DiagnosisId undoing) {
   DRIFTWISE_TRY(const auto newest, store.diagnoses().diagnoses(1));
@@ -402,8 +411,18 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::undo(Caller caller, Diagno
   std::optional<PromotionRecord> rollback;
   std::optional<ModelRecord> previous, present;
   DRIFTWISE_CO_TRY(const auto view, co_await diagnoses_.get(id));
-  if (view.extension && view.extension->stands() && view.extension->model &&
-      serving_.model() == view.extension->model) {
+  const bool has_model = view.extension && view.extension->stands() && view.extension->model;
+  if (has_model) {
+    DRIFTWISE_CO_TRY(const auto plan, co_await reader_.call(plan_with, *view.extension->model));
+    if (plan)
+      co_return fail(
+          ErrorCode::failed_precondition, reasons::kExtensionStands,
+          fmt::format("plan {} serves with model {} of diagnosis {}: promote a plan without it "
+                      "('driftwise plan promote'), or take the plan back ('driftwise plan "
+                      "rollback'), then undo",
+                      plan->value, view.extension->model->value, id.value));
+  }
+  if (has_model && serving_.model() == view.extension->model) {
     DRIFTWISE_CO_TRY(auto withdrawn, co_await reader_.call(withdrawn_models, id));
     auto finding = promotions_.served_before(std::move(withdrawn));
     DRIFTWISE_CO_TRY(auto before, co_await std::move(finding));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "server/application/plumbing/run_on.h"
 #include "server/application/provenance/promotion_questions.h"
@@ -138,6 +139,19 @@ Awaitable<Result<PlansService::Loaded>> PlansService::load(plans::ServingPlan pl
   co_return loaded;
 }
 
+Awaitable<Result<std::vector<plans::PlanFinding>>> PlansService::questions_of_models(
+    const Loaded& loaded) const {
+  std::vector<plans::PlanFinding> found;
+  for (const auto& [id, model] : loaded.models) {
+    auto asking = provenance_.ground_of_model(id);
+    DRIFTWISE_CO_TRY(const auto ground, co_await std::move(asking));
+    for (const auto& question : ground.promotion_questions)
+      found.push_back(
+          {false, reasons::kNeedsConfirmation, fmt::format("(model {}) {}", id.value, question)});
+  }
+  co_return found;
+}
+
 Awaitable<Result<PlanReport>> PlansService::check(std::optional<PlanId> id, std::string text) {
   plans::ServingPlan plan;
   if (id) {
@@ -151,12 +165,15 @@ Awaitable<Result<PlanReport>> PlansService::check(std::optional<PlanId> id, std:
   report.steps = plans::steps_of(plan);
   auto loading = load(std::move(plan), true);
   DRIFTWISE_CO_TRY(auto loaded, co_await std::move(loading));
+  auto asking = questions_of_models(loaded);
+  DRIFTWISE_CO_TRY(auto of_models, co_await std::move(asking));
   report.check = co_await run_on(
       worker_,
       [cell = &description_](const Loaded& all) {
         return plans::check_plan(all.plan, all.models, all.tools, *cell);
       },
       std::move(loaded));
+  std::ranges::move(of_models, std::back_inserter(report.check.findings));
   co_return report;
 }
 

@@ -2,12 +2,14 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/application/models/models.h"
 #include "server/application/plans/joint_serving.h"
 #include "server/application/plans/plans.h"
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/store_reader.h"
+#include "server/application/provenance/provenance.h"
 
 namespace driftwise::application {
 
@@ -15,14 +17,15 @@ class PlansService final : public Plans {
  public:
   // All of them outlive this.
   PlansService(const CellDescription& description, Clock& clock, StoreReader& reader,
-               StoreWriter& writer, EventLog& events, Models& models, JointServing& serving,
-               asio::any_io_executor worker)
+               StoreWriter& writer, EventLog& events, Models& models, Provenance& provenance,
+               JointServing& serving, asio::any_io_executor worker)
       : description_(description),
         clock_(clock),
         reader_(reader),
         writer_(writer),
         events_(events),
         models_(models),
+        provenance_(provenance),
         serving_(serving),
         worker_(std::move(worker)) {}
 
@@ -45,6 +48,9 @@ class PlansService final : public Plans {
   };
   // missing_is_empty: a model that is not there is left out, for the check to name it.
   Awaitable<Result<Loaded>> load(plans::ServingPlan plan, bool missing_is_empty);
+  // What a person would be asked about each of its models before it served by itself.
+  Awaitable<Result<std::vector<plans::PlanFinding>>> questions_of_models(
+      const Loaded& loaded) const;
   Awaitable<Result<plans::ServingPlan>> whole_plan(const PlanRecord& record) const;
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<PlanRecord> next,
                                          std::string action);
@@ -55,6 +61,7 @@ class PlansService final : public Plans {
   StoreWriter& writer_;
   EventLog& events_;
   Models& models_;
+  Provenance& provenance_;
   JointServing& serving_;
   asio::any_io_executor worker_;
 };

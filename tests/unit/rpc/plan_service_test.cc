@@ -67,6 +67,7 @@ class PlanServiceTest : public RpcTest {
   v1::PromotePlanRequest promotion(std::int64_t id) const {
     v1::PromotePlanRequest request;
     request.set_plan_id(id);
+    request.set_confirmed(true);  // its models are of a file
     return request;
   }
   static v1::ComputeJointTargetRequest pose() {

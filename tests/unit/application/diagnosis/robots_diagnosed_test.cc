@@ -1,10 +1,12 @@
 // Two robots in one cell: a diagnosis looks at one of them, in the rooms that know one robot only,
 // and everything that leaves them has its id.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
 
+#include "server/application/plans/plans.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/model/model_json.h"
 #include "tests/unit/application/diagnosis/diagnosed_cell.h"
@@ -118,6 +120,39 @@ TEST_F(RobotsDiagnosed, AcceptingMakesAModelOfThatRobot) {
   EXPECT_EQ(model.formula, "ma.q ~ ma.x + ma.x^2");
   EXPECT_EQ(model.outputs[0].channel.symbol, "ma.q1");
   EXPECT_LT(model.outputs[0].accuracy.rmse * 1e6, 30) << "nm; 30 nm/mm^2 over 4 mm before";
+}
+
+TEST_F(RobotsDiagnosed, AModelThatAPlanServesWithIsUndoneAfterThePlan) {
+  const auto run = cell.begin_run(kPlanOfBoth);
+  cell.finish_run();
+  const auto view = diagnosed(request_of(run.id, "ma.q ~ ma.x"));
+  ASSERT_TRUE(view && view->found);
+  const auto id = view->record.id;
+  const auto made = cell.await(cell->extensions.accept(cell.ada, {id, {}, false}));
+  ASSERT_TRUE(made) << made.error().message;
+  application::FitRequest fit;
+  fit.formula = "mn.q1 ~ mn.x";
+  fit.csv = "mn.q1_mm,mn.x_mm\n";
+  for (int i = 0; i < 40; ++i)
+    fit.csv +=
+        fmt::format("{},{}\n", 1.001 * (0.2 * i - 4) + 1e-6 * (i * 7919 % 13 - 6), 0.2 * i - 4);
+  const auto of_mn = cell.await(cell->models.fit(cell.ada, fit));
+  ASSERT_TRUE(of_mn) << of_mn.error().message;
+  const auto plan =
+      cell.await(cell->plans.add(cell.ada,
+                                 fmt::format("name = \"both\"\n[[robot]]\nid = \"ma\"\nmodel = {}\n"
+                                             "[[robot]]\nid = \"mn\"\nmodel = {}\n",
+                                             made->model->value, of_mn->id.value),
+                                 "", ""));
+  ASSERT_TRUE(plan) << plan.error().message;
+  const auto promoted = cell.await(cell->plans.promote(cell.ada, plan->id, true));
+  ASSERT_TRUE(promoted) << promoted.error().message;
+  const auto refused = cell.await(cell->extensions.undo(cell.ada, id));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "EXTENSION_STANDS");
+  EXPECT_THAT(refused.error().message, HasSubstr("plan 1 serves with model 1 of diagnosis 1"));
+  ASSERT_TRUE(cell.await(cell->plans.roll_back(cell.ada)));
+  EXPECT_TRUE(cell.await(cell->extensions.undo(cell.ada, id)));
 }
 
 TEST_F(RobotsDiagnosed, AnImprovementMeasuresFindsExtendsAndIsJudgedOnFreshPoints) {

@@ -72,7 +72,12 @@ TEST_F(PlansOnACell, ServeOncePromotedAndAgainAfterARestart) {
   const auto plan = cell->await((*cell)->plans.add(cell->ada, text, "first", "7d0f"));
   ASSERT_TRUE(plan) << plan.error().message;
   EXPECT_EQ(plan->version, 1);
-  const auto promoted = cell->await((*cell)->plans.promote(cell->ada, plan->id, false));
+  const auto asked_first = cell->await((*cell)->plans.promote(cell->ada, plan->id, false));
+  ASSERT_FALSE(asked_first);
+  EXPECT_EQ(asked_first.error().reason, "NEEDS_CONFIRMATION");
+  for (const char* model : {"(model 1) ", "(model 2) ", "(model 3) "})
+    EXPECT_THAT(asked_first.error().message, testing::HasSubstr(model)) << "of a file";
+  const auto promoted = cell->await((*cell)->plans.promote(cell->ada, plan->id, true));
   ASSERT_TRUE(promoted) << promoted.error().message;
   const auto q = asked();
   ASSERT_TRUE(q) << q.error().message;
