@@ -141,6 +141,8 @@ Awaitable<Result<StopAnswer>> ManualControlService::stop_all(Caller caller) {
   const auto why = stop_events_.hold().reason;
   if (auto* control = engine_.control()) control->halt(stop_events_.hold());
   if (auto* by_hand = right_.by_hand()) by_hand->abort(why);
+  // A client that steers from outside sees no stop between two of its movements.
+  leases_.end(why);
   on_stop_(why);
   auto pressing = stops_.press(std::move(caller), why);
   co_return co_await std::move(pressing);

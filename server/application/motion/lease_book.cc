@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <random>
+#include <utility>
 
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -63,10 +64,22 @@ Result<void> LeaseBook::give_up(const std::string& token, CellTime now) {
   return {};
 }
 
+void LeaseBook::end(std::string why) {
+  if (!entry_) return;
+  ended_token_ = std::move(entry_->lease.token);
+  ended_why_ = std::move(why);
+  entry_.reset();
+}
+
 Result<void> LeaseBook::check(const std::string& token, CellTime now) const {
   if (token.empty())
     return fail(ErrorCode::permission_denied, reasons::kLeaseRequired,
                 "what moves the robot needs the lease: take it first and state its token");
+  if (token == ended_token_)
+    return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
+                fmt::format("{}: that ended this lease. See that nobody is in the cell, and take a "
+                            "new one",
+                            ended_why_));
   if (!entry_ || entry_->lease.token != token) {
     if (const auto other = present(now))
       return fail(ErrorCode::permission_denied, reasons::kLeaseHeld,

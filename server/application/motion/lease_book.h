@@ -28,12 +28,15 @@ class LeaseBook {
   // Without a token: a new lease, when nobody holds one or the last has run out. With the holder's
   // token: renewed. duration: 1 s to 1 h of cell time. Errors: permission_denied LEASE_HELD (who,
   // until when, what to do), LEASE_UNKNOWN (a token that is not the present one);
-  //   invalid_argument LEASE_DURATION.
+  //   aborted STOPPED_MEANWHILE (a token that a stop ended); invalid_argument LEASE_DURATION.
   Result<Lease> take(const Caller& caller, Nanoseconds duration, const std::string& token,
                      CellTime now);
   // Errors: permission_denied LEASE_UNKNOWN.
   Result<void> give_up(const std::string& token, CellTime now);
-  // Errors: permission_denied LEASE_REQUIRED (no token), LEASE_HELD, LEASE_EXPIRED, LEASE_UNKNOWN.
+  // A person's stop: the lease ends, and its token moves nothing any more. why: a sentence.
+  void end(std::string why);
+  // Errors: permission_denied LEASE_REQUIRED (no token), LEASE_HELD, LEASE_EXPIRED, LEASE_UNKNOWN;
+  // aborted STOPPED_MEANWHILE.
   Result<void> check(const std::string& token, CellTime now) const;
 
   std::optional<Lease> present(CellTime now) const;  // its token blanked; none when it has run out
@@ -42,6 +45,7 @@ class LeaseBook {
   std::string text_of(CellTime instant) const;
   struct Entry;
   std::unique_ptr<Entry> entry_;
+  std::string ended_token_, ended_why_;  // by the last stop that ended a lease
   std::function<UtcTime(CellTime)> utc_;
 };
 

@@ -60,6 +60,24 @@ TEST(LeaseBook, IsFreeOnceGivenUp) {
   EXPECT_TRUE(book.take(kBob, seconds(60), "", kStart));
 }
 
+TEST(LeaseBook, AStopEndsTheLeaseForGood) {
+  LeaseBook book;
+  book.end("nobody held one");
+  const auto ada = book.take(kAda, seconds(60), "", kStart);
+  book.end("stopped by bob");
+  const auto refused = book.check(ada->token, kStart);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "STOPPED_MEANWHILE");
+  EXPECT_EQ(refused.error().code, ErrorCode::aborted);
+  EXPECT_NE(refused.error().message.find("stopped by bob"), std::string::npos);
+  EXPECT_FALSE(book.take(kAda, seconds(60), ada->token, kStart)) << "it is not renewed";
+  EXPECT_FALSE(book.present(kStart));
+  const auto again = book.take(kAda, seconds(60), "", kStart);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(book.check(again->token, kStart));
+  EXPECT_EQ(book.check(ada->token, kStart).error().reason, "STOPPED_MEANWHILE");
+}
+
 TEST(LeaseBook, RefusesUnreasonableDurations) {
   LeaseBook book;
   EXPECT_EQ(book.take(kAda, seconds(0), "", kStart).error().reason, "LEASE_DURATION");

@@ -112,6 +112,22 @@ TEST_F(Stopping, RefusesEveryMotionWhileItIsPendingAndSaysSoEverywhere) {
   }
 }
 
+// Between two movements of a client that steers from outside: an indentation, a script.
+TEST_F(Stopping, MovesNothingMoreForWhoHeldTheLease) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  const auto token = cell.lease();
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, token, {1})));
+  ASSERT_TRUE(cell.await(cell->manual.stop_all(kStopper))->confirmed);
+  cell.pass(10);
+  const int moves = world.moves;
+  const auto refused = cell.await(cell->manual.move_to(cell.ada, token, {2}));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "STOPPED_MEANWHILE");
+  EXPECT_THAT(refused.error().message, HasSubstr("stopped by bob"));
+  EXPECT_EQ(world.moves, moves);
+  EXPECT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {2})));
+}
+
 TEST_F(Stopping, AnAcknowledgementOfTheCommandIsNotEnough) {
   begin_and_be_on_the_way();
   world.stop_does_nothing = true;
