@@ -23,16 +23,13 @@ class Procedure {
 
   Result<void> run() {
     const bool interrupted = record_.in_contact;
+    give_up_contact("the client was lost during the contact");
     // The robot below goes away before anything else moves.
     DRIFTWISE_RETURN_IF_ERROR(lower());
     DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(rules_.zero_x_mm, rules_.zero_y_mm, rules_.work_mm));
     DRIFTWISE_RETURN_IF_ERROR(rest());
     record_.in_contact = false;
-    if (interrupted) {
-      note_trouble("the client was lost during the contact");
-      record_.aside_um += rules_.retry_um;
-      say("the contact before was interrupted: retracted");
-    }
+    if (interrupted) say("the contact before was interrupted: retracted");
     if (record_.aside_um > 0)
       say("the next contact is " + digits_text(record_.aside_um) +
           " um beside, on a fresh surface");
@@ -42,8 +39,14 @@ class Procedure {
     return {};
   }
 
-  void note_trouble(const std::string& trouble) {
+  // A contact that was begun and is not listed has used its place: it is listed with the trouble,
+  // and the next one is made beside.
+  void give_up_contact(const std::string& trouble) {
+    const auto& list = record_.contact_list;
+    const bool is_listed = !list.empty() && list.back().touch.contact == record_.contacts;
+    if (!record_.in_contact || is_listed) return;
     note_contact({.contact = record_.contacts}, "", trouble);
+    record_.aside_um += rules_.retry_um;
   }
 
   // The clearance below the contact awaited, or lower.
@@ -184,9 +187,14 @@ class Procedure {
                               .at = cell_.utc()});
   }
 
-  void ended() {
-    record_.in_contact = false;
+  // It counts from here on, whatever becomes of the retract.
+  void recorded() {
     record_.aside_um = 0;
+    on_change_(record_);
+  }
+
+  void retracted() {
+    record_.in_contact = false;
     on_change_(record_);
   }
 
@@ -208,9 +216,10 @@ class Procedure {
         found.y_mm = y;
         record_.touches.push_back(found);
         note_contact(found, "");
+        recorded();
         DRIFTWISE_RETURN_IF_ERROR(below(found.height_mm - rules_.clearance_mm));
         DRIFTWISE_RETURN_IF_ERROR(rest());
-        ended();
+        retracted();
       }
       std::vector<TouchPoint> points;
       for (const TouchRecord& one : record_.touches)
@@ -260,8 +269,9 @@ class Procedure {
     note_contact(found, "");
     record_.height_mm = found.height_mm;
     record_.stage = Stage::indents;
+    recorded();
     DRIFTWISE_RETURN_IF_ERROR(retract());
-    ended();
+    retracted();
     say("contact at " + number_text(found.height_mm) + " mm after " + std::to_string(found.steps) +
         " steps");
     return {};
@@ -303,8 +313,9 @@ class Procedure {
                                .rx_arcsec = placed.rx_arcsec - record_.zero_here.rx_arcsec,
                                .ry_arcsec = placed.ry_arcsec - record_.zero_here.ry_arcsec,
                                .by = answer.by});
+    recorded();
     DRIFTWISE_RETURN_IF_ERROR(retract());
-    ended();
+    retracted();
     say("indent " + planned.id + " at " + digits_text(planned.at_um, 6) + " um along " +
         std::string(to_string_of(planned.line)) + ", contact after " + std::to_string(found.steps) +
         " steps");
@@ -352,15 +363,18 @@ Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, Procedur
   Procedure procedure(cell, rules, record, on_change);
   auto done = procedure.run();
   if (done) return done;
-  // A robot that is left in contact is worse than a procedure that ends.
-  const auto away = procedure.lower();
   Error error = done.error();
-  if (record.in_contact) procedure.note_trouble(error.message);
-  if (away && record.in_contact) {
+  procedure.give_up_contact(error.message);
+  // The axes were stopped: somebody may be in the cell, and only a person makes them move again.
+  if (error.code == ErrorCode::aborted) {
+    error.message +=
+        "; the robot below stays where it is: the same command retracts it before it goes on";
+  } else if (const auto away = procedure.lower(); away) {
+    // A robot that is left in contact is worse than a procedure that ends.
     record.in_contact = false;
-    record.aside_um += rules.retry_um;
+  } else {
+    error.message += "; the robot below could not be retracted: " + away.error().message;
   }
-  if (!away) error.message += "; the robot below could not be retracted: " + away.error().message;
   record.log.push_back(std::string(to_string(record.stage)) + ": " + error.message);
   on_change(record);
   return tl::unexpected(error);

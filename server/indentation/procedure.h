@@ -6,7 +6,8 @@
 //
 // Survival: the record is handed to on_change before anything moves for the next entry and after
 // every contact. Whoever starts again with it retracts first; an indent that was begun and not
-// recorded is made again beside (retry_um), never in the same place.
+// recorded is made again beside (retry_um), never in the same place. After a stop of the axes
+// nothing moves until somebody starts again.
 
 #include <functional>
 #include <string>
@@ -121,7 +122,7 @@ struct ProcedureRecord {
   Stage stage = Stage::align;
   std::string tool{};
   int contacts = 0;         // on the substrate so far, interrupted ones included
-  bool in_contact = false;  // one was begun and not ended
+  bool in_contact = false;  // one was begun, and the robot below was not retracted since
   double aside_um = 0;      // of the next contact: after an interrupted one, a fresh place
   int corrections = 0;
   double rx_arcsec = 0, ry_arcsec = 0;  // told to the robot below
@@ -143,7 +144,8 @@ struct ProcedureRecord {
 // closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error), CONTACT_LOST
 // (while it was pressed), NO_REST.
 // After an error the robot below has been retracted, or the sentence says that it could not be; one
-// that stands lower has not moved.
+// that stands lower has not moved. After an error aborted (the axes were stopped, by a person or by
+// the daemon) nothing has moved any more.
 Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
                        const std::function<void(const ProcedureRecord&)>& on_change);
 

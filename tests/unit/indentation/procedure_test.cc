@@ -19,6 +19,9 @@ class IdealCell final : public TouchingCell {
   double tilt_rx_arcsec = 540, tilt_ry_arcsec = 1296;
   double breaks_at_overlap_mm = 1e9;  // then the work-piece gives way, and nothing pushes back
   int calls_left = 1'000'000;         // then the client is lost
+  int steps_left = 1'000'000;         // of the robot below: then a person stops the axes, once
+  int steps_after_stop = 0;
+  int interrupted_at = -1;  // look(): the person's Ctrl-C, once
   std::vector<std::pair<double, double>> touched{};
   bool above_is_there = true;
   double highest_mm = 0;     // of the robot below
@@ -34,6 +37,8 @@ class IdealCell final : public TouchingCell {
   }
   Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) override {
     if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
+    if (steps_left < 0) ++steps_after_stop;
+    if (steps_left-- == 0) return fail(ErrorCode::aborted, reasons::kRunAborted, "stopped by bob");
     rx_ = rx_arcsec;
     ry_ = ry_arcsec;
     z_ = z_mm;
@@ -54,6 +59,7 @@ class IdealCell final : public TouchingCell {
   }
   Result<Eigen::MatrixXd> look() override {
     if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
+    if (interrupted_at-- == 0) return fail(ErrorCode::cancelled, reasons::kCancelled, "Ctrl-C");
     gave_way_ = gave_way_ || overlap_mm() > breaks_at_overlap_mm;
     const double push_nm = gave_way_ ? 0 : std::clamp(overlap_mm() * 1e6, 0.0, 220.0);
     return Eigen::MatrixXd::Constant(3, 3, 30 - push_nm);
@@ -138,6 +144,41 @@ TEST(Procedure, GoesOnAfterItWasLostAnywhere) {
                            places[i].second - places[i - 1].second),
                 1e-3)
           << "lost at " << lost_at;
+  }
+}
+
+// Somebody may be in the cell: the retract waits for the next start.
+TEST(Procedure, MovesNothingAfterAStopUntilItIsStartedAgain) {
+  int stopped = 0;
+  for (int stop_at = 1; stop_at < 900; stop_at += 7, ++stopped) {
+    IdealCell cell;
+    cell.steps_left = stop_at;
+    ProcedureRecord record;
+    const auto done = carry_out(cell, rules(), record, kNobody);
+    if (done) break;
+    EXPECT_NE(done.error().message.find("the same command retracts it"), std::string::npos);
+    EXPECT_EQ(cell.steps_after_stop, 0) << stop_at;
+    cell.deepest_mm = -1e9;
+    ASSERT_TRUE(carry_out(cell, rules(), record, kNobody)) << stop_at;
+    EXPECT_LT(cell.deepest_mm, -0.5) << "retracted before the robot above travelled";
+    EXPECT_EQ(record.indents.size(), 3U) << stop_at;
+  }
+  EXPECT_GT(stopped, 10);
+}
+
+// At any look, that is also after a contact was recorded and before the robot below was away.
+TEST(Procedure, ListsEachContactOnceAndKeepsTheLineAfterARecordedOne) {
+  for (int at = 0; at < 900; ++at) {
+    IdealCell cell;
+    cell.interrupted_at = at;
+    ProcedureRecord record;
+    if (carry_out(cell, rules(), record, kNobody)) break;
+    const auto& list = record.contact_list;
+    const bool is_lost = !list.empty() && !list.back().trouble.empty();
+    EXPECT_EQ(record.aside_um, is_lost ? rules().retry_um : 0) << at;
+    ASSERT_TRUE(carry_out(cell, rules(), record, kNobody)) << at;
+    for (std::size_t i = 0; i < list.size(); ++i)
+      EXPECT_EQ(list[i].touch.contact, static_cast<int>(i) + 1) << at;
   }
 }
 

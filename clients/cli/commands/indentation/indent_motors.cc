@@ -25,8 +25,9 @@ std::string answered_by(const v1::JointTarget& target) {
 }
 
 Error error_of(const Failure& failure) {
-  const ErrorCode code = failure.exit == ExitCode::unreachable ? ErrorCode::unavailable
-                         : failure.exit == ExitCode::bad_input ? ErrorCode::invalid_argument
+  const ErrorCode code = failure.code == to_string(ErrorCode::aborted) ? ErrorCode::aborted
+                         : failure.exit == ExitCode::unreachable       ? ErrorCode::unavailable
+                         : failure.exit == ExitCode::bad_input         ? ErrorCode::invalid_argument
                                                                : ErrorCode::failed_precondition;
   return {code, failure.reason, failure.message};
 }
