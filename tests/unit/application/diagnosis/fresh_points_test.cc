@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "server/formats/csv/trajectory_csv.h"
 #include "tests/support/cell_in_memory.h"
@@ -28,6 +30,31 @@ TEST(FreshPoints, AreNoneThatWereVisitedInNoneOfTwentyRepeats) {
     EXPECT_EQ(here.size(), 4u) << repeat;
     for (const double q : here) EXPECT_TRUE(seen.insert(q).second) << repeat << ": " << q;
   }
+}
+
+// A return to zero after each position: each is a line of its own.
+TEST(FreshPoints, AreNewWhereALineHasOnePosition) {
+  auto plan = *formats::read_trajectory_csv(tests::lines_of(1, {-4, -2, 1, 4}, false), "ones.csv");
+  std::vector<TrajectoryPoint> points;
+  for (auto point : plan.points) {
+    point.line = static_cast<std::int64_t>(points.size());
+    points.push_back(point);
+    point.target = {0};
+    point.zero = true;
+    points.push_back(point);
+  }
+  plan.points = std::move(points);
+  std::set<double> seen{-4, -2, 1, 4};
+  for (int repeat = 1; repeat <= 20; ++repeat)
+    for (const auto& point : fresh_points(plan, repeat).points) {
+      if (point.zero) {
+        EXPECT_EQ(point.target[0], 0);
+        continue;
+      }
+      EXPECT_TRUE(seen.insert(point.target[0]).second) << repeat << ": " << point.target[0];
+      EXPECT_GE(point.target[0], -4);
+      EXPECT_LE(point.target[0], 4);
+    }
 }
 
 TEST(FreshPoints, StayInsideTheHullInOrderWithTheirSetsAndZeros) {
