@@ -9,7 +9,7 @@ namespace driftwise::application {
 namespace {
 
 RunRules rules_of(const QueueEntry& entry, const RunRules& cell_rules) {
-  if (entry.rules_json.empty()) return cell_rules;
+  if (entry.rules_json.empty() || !states_rules(entry.rules_json)) return cell_rules;
   const auto plan = read_run_plan(entry.rules_json);
   return plan ? plan->rules : cell_rules;
 }

@@ -207,6 +207,12 @@ TEST(QueueOutlook, AddsUpWhatIsBeforeAndStopsAtACondition) {
   EXPECT_NEAR(all.at(QueueEntryId{1}).end->expected_s, run_s, 0.05 * run_s);
   EXPECT_NEAR(all.at(QueueEntryId{2}).end->expected_s, 36'000 + run_s, 0.05 * run_s);
   EXPECT_FALSE(all.at(QueueEntryId{3}).end);
+  // A set-up alone states no rules.
+  queue.rules.settle_s += 60;
+  const double by_the_cell_s = look_ahead(history, queue).at(QueueEntryId{1}).run.expected_s;
+  entries[0].rules_json = R"({"setup":"height"})";
+  EXPECT_EQ(look_ahead(history, queue).at(QueueEntryId{1}).run.expected_s, by_the_cell_s);
+  EXPECT_GT(by_the_cell_s, run_s);
   EXPECT_NEAR(all.at(QueueEntryId{3}).run.expected_s, run_s, 0.05 * run_s);
   queue.held = true;
   EXPECT_FALSE(look_ahead(history, queue).at(QueueEntryId{1}).end);
