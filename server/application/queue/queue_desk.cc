@@ -49,8 +49,14 @@ void QueueDesk::shut_down() {
 }
 
 void QueueDesk::stopped(const Caller& caller, const std::string& cause) {
-  if (record_.hold.held) return;
-  record_.hold = {true, caller.name, cause, parts_.clock.now().utc};
+  last_stop_ = {true, caller.name, cause, parts_.clock.now().utc};
+  ++stops_;
+  if (!record_.hold.held) hold_by_stop();  // else the first one's words stay, as in the store
+}
+
+void QueueDesk::hold_by_stop() {
+  const std::string& cause = last_stop_.why;
+  record_.hold = last_stop_;
   parts_.events.record_own("queue.held", "the queue is held: " + cause);
   const auto waiting = waiting_in_order(record_.entries).size();
   if (waiting == 0) return;
@@ -85,7 +91,7 @@ std::int64_t QueueDesk::last_place() const {
 }
 
 Awaitable<Result<void>> QueueDesk::change(QueueChange change) {
-  const auto hold_before = record_.hold;
+  const auto stops_before = stops_;
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await parts_.writer.queue().change_queue(change));
   for (auto& entry : change.put) {
     if (is_over(entry.state)) entry.trajectory_text.clear();
@@ -99,8 +105,10 @@ Awaitable<Result<void>> QueueDesk::change(QueueChange change) {
     else
       *found = std::move(entry);
   }
+  if (!change.hold) co_return Result<void>{};
+  record_.hold = *std::move(change.hold);
   // A stop that came meanwhile is in force, and the store has it after this change.
-  if (change.hold && record_.hold == hold_before) record_.hold = *std::move(change.hold);
+  if (stops_ != stops_before && !record_.hold.held) hold_by_stop();
   co_return Result<void>{};
 }
 
@@ -323,6 +331,7 @@ Awaitable<void> QueueDesk::put_back(QueueEntry entry, std::string why, bool by_p
   if (sets_aside) {
     entry.state = QueueState::set_aside;
     add_repeat(entry, settled);
+    entry.repeat_every_s = 0;  // the next one has it: back in the queue this one runs once
   } else {
     entry.state = QueueState::waiting;
     entry.place = first_place() - 1;

@@ -95,6 +95,7 @@ class QueueDesk {
   Awaitable<QueueResult> diagnose(const QueueEntry& entry, std::string baseline);
   Awaitable<QueueResult> report(const QueueEntry& entry);
   Awaitable<Result<ConditionVerdict>> look_at(std::string text);
+  void hold_by_stop();
   void add_repeat(const QueueEntry& entry, QueueChange& change) const;
   QueueSituation situation() const;
   std::string busy() const;
@@ -104,6 +105,8 @@ class QueueDesk {
   AsyncMutex changing_;
   Signal wake_;
   QueueRecord record_;
+  QueueHold last_stop_;     // since the start
+  std::int64_t stops_ = 0;  // likewise
   std::map<QueueEntryId, ConditionVerdict> conditions_;
   std::map<QueueEntryId, PlanAhead> plans_;      // of entries that wait
   std::map<QueueEntryId, std::string> refused_;  // why a start was put off

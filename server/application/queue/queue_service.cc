@@ -236,6 +236,9 @@ Awaitable<Result<void>> QueueService::release(Caller caller) {
   QueueChange releasing;
   releasing.hold = QueueHold{false, caller.name, "", clock_.now().utc};
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await desk_.change(std::move(releasing)));
+  if (desk_.hold().held)
+    co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
+                   fmt::format("the queue stays held, {}: release it again", desk_.hold().why));
   events_.record(caller, "queue.released",
                  fmt::format("{} released the queue, which was held: {}", caller.name, before.why),
                  {}, {"queue", before.why, ""});

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <utility>
 
 #include "server/application/plumbing/crash_point.h"
 #include "tests/support/cell_in_memory.h"
@@ -215,6 +216,31 @@ TEST_P(StoppedWhileCreated, ARunIsPausedUntilAPersonResumesIt) {
 INSTANTIATE_TEST_SUITE_P(Side, StoppedWhileCreated,
                          testing::Values("before_run_create_commit", "after_run_create_commit"),
                          [](const auto& row) { return std::string(row.param); });
+
+// Likewise while it stores the release of the queue.
+TEST_F(Stopping, WhileTheQueueIsReleasedHoldsItOn) {
+  ASSERT_TRUE(cell.await(cell->queue.hold(cell.ada, "all at once")));
+  application::QueueDraft draft;
+  draft.name = draft.trajectory_name = "a";
+  draft.trajectory_text = kStopRows;
+  const auto entry = cell.await(cell->queue.add(cell.ada, draft));
+  ASSERT_TRUE(entry) << entry.error().message;
+  bool stopped = false;
+  application::on_crash_point([&](std::string_view name) {
+    if (name != "after_queue_commit" || std::exchange(stopped, true)) return;
+    EXPECT_TRUE(cell.await(cell->manual.stop_all(kStopper))->confirmed);
+  });
+  const auto released = cell.await(cell->queue.release(cell.ada));
+  application::on_crash_point({});
+  ASSERT_TRUE(stopped);
+  ASSERT_FALSE(released);
+  EXPECT_EQ(released.error().reason, "STOPPED_MEANWHILE");
+  EXPECT_EQ(cell->queue.list().hold.why, "stopped by bob");
+  cell.pass(600);
+  EXPECT_EQ(cell->queue.get(entry->entry.id)->entry.state, QueueState::waiting);
+  EXPECT_TRUE((*kSqlite(folder / "cell.sqlite", true))->queue().queue(10)->hold.held);
+  EXPECT_TRUE(cell.await(cell->queue.release(cell.ada)));
+}
 
 TEST_F(Stopping, AnAbortIsRememberedToo) {
   begin_and_be_on_the_way();

@@ -203,6 +203,27 @@ TEST_F(QueueTest, AnEntryThatIsSetAsideLetsTheNextOneStartAndCanComeBack) {
   EXPECT_EQ(back->entry.state, QueueState::waiting);
 }
 
+TEST_F(QueueTest, AnEntryThatIsSetAsideLeavesItsRepetitionToTheNextOne) {
+  auto broken = draft("broken");
+  broken.compensate = true;
+  broken.trajectory_text = "x_mm\n0\n1\n0\n";
+  broken.on_failure = OnFailure::set_aside;
+  broken.repeat_every_s = 7200;
+  const auto a = add(broken);
+  const auto repeats = [&] {
+    const auto lines = cell->queue.list().lines;
+    return std::ranges::count_if(lines, [](const auto& line) {
+      return line.entry.state == QueueState::waiting && line.entry.repeat_every_s == 7200;
+    });
+  };
+  until(a, QueueState::set_aside);
+  EXPECT_EQ(repeats(), 1);
+  ASSERT_TRUE(cell.await(cell->queue.move(cell.ada, a.entry.id, QueueEntryId{0})));
+  EXPECT_EQ(state_of(a), QueueState::waiting);
+  until(a, QueueState::set_aside);
+  EXPECT_EQ(repeats(), 1) << "one series, however often it was moved back";
+}
+
 TEST_F(QueueTest, APersonsStopHoldsItUntilAPersonReleasesIt) {
   const auto a = add(draft("a")), b = add(draft("b"));
   cell.until([&] { return cell.status().run && cell.status().run->run.accepted > 0; });
