@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "server/application/cell/composition.h"
+#include "server/application/improvement/unproved_extension.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -40,6 +41,7 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
   auto clock_start = begin_cell_time(*parts.clock, std::move(clocks), newest);
   DRIFTWISE_RETURN_IF_ERROR(writing->clocks().add_clock(clock_start.records.back()));
   // Before anybody can begin a new one.
+  DRIFTWISE_TRY(auto interrupted, end_interrupted_improvement(*writing, parts.clock->now()));
   DRIFTWISE_TRY(const auto unfinished,
                 writing->diagnoses().fail_unfinished("the daemon ended while it ran",
                                                      parts.clock->now().utc));
@@ -52,7 +54,8 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
                                                             parts.version, parts.clock->now()));
   OpenedRecord opened{
       std::move(writing),     std::move(reading), std::move(checking), std::move(configuration),
-      std::move(clock_start), std::move(stops),   std::move(queue),    unfinished};
+      std::move(clock_start), std::move(stops),   std::move(queue),    unfinished,
+      std::move(interrupted)};
   return std::unique_ptr<Cell>(
       new Cell(std::make_unique<Composition>(executor, std::move(parts), std::move(opened))));
 }

@@ -188,6 +188,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
                     "a person",
                     given.kept_stop->who, given.kept_stop->asked));
   manual.start();
+  if (!opened.interrupted_improvement.empty())
+    events.record_own("improvement.failed", opened.interrupted_improvement);
   if (opened.unfinished_jobs > 0)
     events.record_own("diagnosis.failed",
                       fmt::format("{} of the diagnoses and improvements were under way when the "

@@ -85,7 +85,8 @@ struct OpenedRecord {
   ClockStart clock_start;
   std::vector<StopRecord> stops;  // that no controller had confirmed when the daemon ended
   QueueRecord queue;
-  std::int64_t unfinished_jobs = 0;  // diagnoses and improvements under way then
+  std::int64_t unfinished_jobs = 0;       // diagnoses and improvements under way then
+  std::string interrupted_improvement{};  // a sentence for its event; empty: there was none
 };
 
 class Composition {

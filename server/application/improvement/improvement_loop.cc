@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/improvement/fresh_points.h"
@@ -109,8 +110,11 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await begin());
   while (true) {
     const auto after = co_await take_turn();
+    auto withdrawing = withdraw();
+    const std::string withdrawn = co_await std::move(withdrawing);
+    if (!after) say("stopped: " + after.error().message);
+    if (!withdrawn.empty()) say(withdrawn);
     if (!after) {
-      say("stopped: " + after.error().message);
       static_cast<void>(co_await keep());
       co_return tl::unexpected(after.error());
     }
@@ -124,6 +128,30 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
     turn_.number = next;
     turn_.started = clock_.now().utc;
   }
+}
+
+Awaitable<std::string> ImprovementLoop::withdraw() {
+  while (withdrawing_) co_await wake_.wait();
+  if (!unproved_) co_return withdrawn_;
+  withdrawing_ = true;
+  auto undoing = undo_unproved(*std::exchange(unproved_, std::nullopt));
+  withdrawn_ = co_await std::move(undoing);
+  withdrawing_ = false;
+  wake_.raise();
+  co_return withdrawn_;
+}
+
+Awaitable<std::string> ImprovementLoop::undo_unproved(ExtensionRecord extension) {
+  const auto id = extension.diagnosis.value;
+  if (extension.model && services_.serving.model() == extension.model)
+    co_return fmt::format("diagnosis {} stays in force without proof, for its model serves", id);
+  auto undoing = services_.extensions.undo(caller_, extension.diagnosis);
+  const auto undone = co_await std::move(undoing);
+  if (undone) co_return fmt::format("diagnosis {} was undone: no fresh points show its gain", id);
+  if (undone.error().reason == reasons::kNoExtension) co_return std::string();  // by a person
+  co_return fmt::format(
+      "diagnosis {} stays in force without proof ({}): 'driftwise diagnosis undo {}'", id,
+      undone.error().message, id);
 }
 
 // What is known before the robot moves.
@@ -209,6 +237,7 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   auto creating = services_.diagnoses.create(caller_, std::move(wanted));
   DRIFTWISE_CO_TRY(const auto created, co_await std::move(creating));
   diagnosis_ = turn_.diagnosis = created.record.id;
+  if (stopping_) co_await end_own_jobs();
   bool over = false;
   const auto watch = services_.diagnoses.watch([&](const DiagnosisProgress& progress) {
     if (progress.id != diagnosis_) return;
@@ -260,14 +289,25 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
     reason_ = turn_.what;  // why each of them is refused
     co_return After::end;
   }
+  for (const int number : findings)
+    say(view.found->findings[static_cast<std::size_t>(number - 1)].sentence);
+  turn_.gains = promised_gains(*view.found);
+  // A later start finds by it what was accepted.
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
+  if (!has_time_for(estimated_s_)) {
+    reason_ = fmt::format(
+        "the budget of {:g} s does not hold another measurement of {:.0f} s, which would show the "
+        "gain of diagnosis {}: nothing of it was accepted",
+        request_.budget_s, estimated_s_, view.record.id.value);
+    say(reason_);
+    co_return After::end;
+  }
   AcceptRequest wanted;
   wanted.diagnosis = view.record.id;
   wanted.findings = findings;
   auto accepting = services_.extensions.accept(caller_, std::move(wanted));
   DRIFTWISE_CO_TRY(const auto extension, co_await std::move(accepting));
-  for (const int number : findings)
-    say(view.found->findings[static_cast<std::size_t>(number - 1)].sentence);
-  turn_.gains = promised_gains(*view.found);
+  unproved_ = extension;
   if (extension.model) {
     DRIFTWISE_CO_TRY(const auto record, co_await services_.models.get(*extension.model));
     DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
@@ -305,22 +345,18 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
     ExtensionRecord extension) {
   const auto before = model_;
   model_ = extension.model;
-  if (!has_time_for(estimated_s_)) {
-    reason_ = fmt::format("the budget of {:g} s does not hold another measurement of {:.0f} s",
-                          request_.budget_s, estimated_s_);
-    say(reason_);
-    co_return After::end;
-  }
   ++repeats_;
   auto measuring = measure(fmt::format("measuring {} fresh points", plan_.points.size()),
                            text_of_repeat(repeats_));
   DRIFTWISE_CO_TRY(const auto run, co_await std::move(measuring));
   if (!before || !model_) {
+    unproved_.reset();
     say(fmt::format("measured again, run {}", run.id.value));
     co_return After::next_turn;
   }
   DRIFTWISE_CO_TRY(const auto by_before, co_await errors_on(*before, run.id));
   DRIFTWISE_CO_TRY(const auto by_after, co_await errors_on(*model_, run.id));
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());
   for (auto& gain : turn_.gains) {
     gain.measured_before = fresh_figures(by_before, gain.output);
     gain.measured = fresh_figures(by_after, gain.output);
@@ -328,10 +364,15 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
   const FreshVerdict verdict = judge_fresh(turn_.gains);
   say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
                   run.id.value, verdict.measured));
-  if (verdict.judged && verdict.better && verdict.worse.empty()) co_await promote_proven();
-  if (!verdict.judged || (verdict.better && verdict.worse.empty())) co_return After::next_turn;
+  if (!verdict.judged || (verdict.better && verdict.worse.empty())) {
+    unproved_.reset();
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
+    if (verdict.judged) co_await promote_proven();
+    co_return After::next_turn;
+  }
   auto undoing = services_.extensions.undo(caller_, extension.diagnosis);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(undoing));
+  unproved_.reset();
   reason_ = verdict.worse.empty()
                 ? fmt::format("fresh points do not show the gain of diagnosis {}: it was undone",
                               extension.diagnosis.value)
@@ -374,6 +415,7 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
   if (!run) co_return run;
   run_ = run->id;
   turn_.runs.push_back(run->id);
+  if (stopping_) co_await end_own_jobs();  // it ended while the trajectory was read
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
   std::optional<RunRecord> ended;
   const auto watch = services_.runs.watch([&](const RunProgress& progress) {
@@ -404,12 +446,17 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
 
 Awaitable<void> ImprovementLoop::stop(bool leave_run) {
   stopping_ = true;
+  leave_run_ = leave_run;
   wake_.raise();
+  co_await end_own_jobs();
+}
+
+Awaitable<void> ImprovementLoop::end_own_jobs() {
   if (diagnosis_) {
     auto cancelling = services_.diagnoses.cancel(caller_, *diagnosis_);
     static_cast<void>(co_await std::move(cancelling));
   }
-  if (run_ && !leave_run) {
+  if (run_ && !leave_run_) {
     auto aborting = services_.runs.abort(caller_, *run_, "its improvement was cancelled");
     static_cast<void>(co_await std::move(aborting));
   }

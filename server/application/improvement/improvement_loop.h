@@ -7,7 +7,8 @@
 //
 // A set that cannot be told apart gets the separating measurement that the diagnosis proposes, once
 // per set; where there is none, the set stays as it is and the reason says so. An extension whose
-// gain the fresh points do not show is undone and ends the loop. A correction that no instrument
+// gain the fresh points do not show is undone and ends the loop. One that they have not judged when
+// the loop ends is undone too: nothing unproved stays in force. A correction that no instrument
 // can need is left out (instrument_agreement.h). It ends well when nothing beyond noise is left,
 // when what is left is in no catalogue, after the last turn, or when the budget of time does not
 // hold another measurement.
@@ -63,11 +64,16 @@ class ImprovementLoop {
   // Ends it at the next step; a run or a diagnosis of its own that is under way ends too, unless
   // the daemon ends (leave_run): then the run goes on with the next start.
   Awaitable<void> stop(bool leave_run);
+  // Undoes what this turn accepted and no fresh points have judged. Result: what became of it, half
+  // a sentence, also when it was undone before; empty: nothing was accepted, or it is judged.
+  Awaitable<std::string> withdraw();
 
  private:
   enum class After { next_turn, end };
   Awaitable<Result<RunRecord>> measure(std::string what, std::string trajectory_text);
   Awaitable<Result<void>> begin();
+  Awaitable<void> end_own_jobs();
+  Awaitable<std::string> undo_unproved(ExtensionRecord extension);
   Awaitable<Result<After>> take_turn();
   void renew_lease();
   CellTime next_renewal() const;
@@ -93,10 +99,13 @@ class ImprovementLoop {
   Trajectory plan_;
   double estimated_s_ = 0;  // of one measurement
   CellTime began_;
-  bool stopping_ = false;
+  bool stopping_ = false, leave_run_ = false;
   Signal wake_;                           // whatever is waited for
   std::optional<RunId> run_;              // of its own, under way
   std::optional<DiagnosisId> diagnosis_;  // likewise
+  std::optional<ExtensionRecord> unproved_;
+  bool withdrawing_ = false;
+  std::string withdrawn_;
   std::vector<RunId> runs_;
   std::optional<ModelId> model_;
   std::string formula_;

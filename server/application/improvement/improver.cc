@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "server/application/plumbing/task_group.h"
 #include "server/core/reasons.h"
 
@@ -78,15 +80,18 @@ Awaitable<void> Improver::carry_out(std::shared_ptr<Active> active) {
   watchers_.publish(active->progress);
   const auto reason = co_await active->loop->carry_out();
   auto text = reason ? *reason : reason.error().message;
-  auto ending = end(active, reason ? JobState::done : JobState::failed, std::move(text));
-  static_cast<void>(co_await std::move(ending));
+  if (!std::exchange(active->over, true)) {
+    auto ending = end(active, reason ? JobState::done : JobState::failed, std::move(text));
+    static_cast<void>(co_await std::move(ending));
+  }
   if (active_ == active) active_.reset();
 }
 
 Awaitable<Result<void>> Improver::end(std::shared_ptr<Active> active, JobState state,
                                       std::string reason) {
-  if (active->over) co_return Result<void>{};
-  active->over = true;
+  auto withdrawing = active->loop->withdraw();
+  const std::string withdrawn = co_await std::move(withdrawing);
+  if (!withdrawn.empty()) reason += "; " + withdrawn;
   auto stored = co_await writer_.improvements().end_improvement(active->record.id, state, reason,
                                                                 clock_.now().utc);
   auto detail = fmt::format("improvement {} is {}: {}", active->record.id.value, to_string(state),
@@ -101,17 +106,23 @@ Awaitable<Result<void>> Improver::end(std::shared_ptr<Active> active, JobState s
 Awaitable<Result<void>> Improver::cancel(Caller caller, ImprovementId id) {
   const auto active = active_;
   if (!active || active->record.id != id || active->over) co_return Result<void>{};
-  auto reason = fmt::format("cancelled by {}", caller.name);
-  auto ending = end(active, JobState::cancelled, std::move(reason));
-  auto ended = co_await std::move(ending);
-  co_await active->loop->stop(false);
-  co_return ended;
+  auto stopping =
+      stop_and_end(active, false, JobState::cancelled, fmt::format("cancelled by {}", caller.name));
+  co_return co_await std::move(stopping);
+}
+
+Awaitable<Result<void>> Improver::stop_and_end(std::shared_ptr<Active> active, bool leave_run,
+                                               JobState state, std::string reason) {
+  if (std::exchange(active->over, true)) co_return Result<void>{};
+  auto stopping = active->loop->stop(leave_run);
+  co_await std::move(stopping);
+  auto ending = end(std::move(active), state, std::move(reason));
+  co_return co_await std::move(ending);
 }
 
 Awaitable<void> Improver::stop(std::shared_ptr<Active> active, std::string reason) {
-  auto ending = end(active, JobState::failed, std::move(reason));
-  static_cast<void>(co_await std::move(ending));
-  co_await active->loop->stop(true);
+  auto stopping = stop_and_end(std::move(active), true, JobState::failed, std::move(reason));
+  static_cast<void>(co_await std::move(stopping));
 }
 
 void Improver::tell_present(const std::function<void(const ImprovementProgress&)>& to) const {

@@ -43,6 +43,9 @@ class Improver {
   struct Active;
   Awaitable<void> carry_out(std::shared_ptr<Active> active);
   Awaitable<Result<void>> end(std::shared_ptr<Active> active, JobState state, std::string reason);
+  // The loop first: the robot halts before anything is written.
+  Awaitable<Result<void>> stop_and_end(std::shared_ptr<Active> active, bool leave_run,
+                                       JobState state, std::string reason);
   Awaitable<void> stop(std::shared_ptr<Active> active, std::string reason);
 
   asio::any_io_executor executor_;

@@ -110,9 +110,10 @@ void follow_improvement(const Session& session, const Connection& connection, st
     if (failure.exit != ExitCode::interrupted) throw;
     v1::CancelImprovementRequest cancel;
     cancel.set_improvement_id(id);
-    connection.uninterrupted().ask(&ImproveStub::CancelImprovement, cancel);
-    failure.message =
-        "interrupted: improvement " + std::to_string(id) + " is cancelled; its runs stay";
+    const auto ended =
+        connection.uninterrupted().ask(&ImproveStub::CancelImprovement, cancel).improvement();
+    failure.message = "interrupted: improvement " + std::to_string(id) + " is " +
+                      state_text_of(ended.state()) + ": " + ended.reason() + "; its runs stay";
     throw;
   }
 }

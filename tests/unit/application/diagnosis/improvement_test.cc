@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
 
+#include "server/application/plumbing/crash_point.h"
 #include "server/application/provenance/provenance.h"
 #include "server/formats/model/model_json.h"
 #include "tests/unit/application/diagnosis/diagnosed_cell.h"
@@ -124,6 +129,110 @@ TEST_F(ImprovementTest, StopsWhenTheBudgetDoesNotHoldAnotherMeasurement) {
   EXPECT_THAT(record.reason, HasSubstr("budget"));
   EXPECT_EQ(record.turns.size(), 1u);
   EXPECT_FALSE(record.turns[0].gains[0].measured);
+  EXPECT_THAT(record.reason, HasSubstr("nothing of it was accepted"));
+  EXPECT_FALSE(d.look(*record.turns[0].diagnosis).extension);
+}
+
+// An end between the extension and the verdict of the fresh points: nothing unproved is in force.
+class EndedInFreshPoints : public ImprovementTest {
+ protected:
+  EndedInFreshPoints() {
+    id = begin()->id;
+    d.cell.until(
+        [&] {
+          const auto turns = look(id).turns;
+          return !turns.empty() && turns[0].runs.size() == 2 && d.cell.status().run &&
+                 d.cell.status().run->run.accepted > 3;
+        },
+        400'000);
+    diagnosis = *look(id).turns[0].diagnosis;
+    EXPECT_TRUE(is_in_force(d.cell));
+  }
+  bool is_in_force(CellInMemory& cell) {
+    const auto id_of = diagnosis;
+    const auto extension = cell.await(
+        cell.read([id_of](Store& store) { return store.extensions().extension(id_of); }));
+    return (*extension)->stands();
+  }
+
+  ImprovementId id;
+  DiagnosisId diagnosis;
+};
+
+TEST_F(EndedInFreshPoints, ByACancelUndoesTheExtension) {
+  const auto cancelled = d.cell.await(d.cell->improvements.cancel(d.cell.ada, id));
+  ASSERT_TRUE(cancelled);
+  EXPECT_EQ(cancelled->state, JobState::cancelled);
+  EXPECT_THAT(cancelled->reason,
+              HasSubstr("diagnosis 1 was undone: no fresh points show its gain"));
+  EXPECT_FALSE(is_in_force(d.cell));
+  d.cell.until([&] { return !d.cell.status().run; });
+  d.cell.pass(60);
+  EXPECT_EQ(d.cell.events_named("extension.undone").size(), 1u);
+  EXPECT_THAT(look(id).turns[0].what, HasSubstr("diagnosis 1 was undone"));
+}
+
+TEST_F(EndedInFreshPoints, ByAnAbortOfTheRunUndoesTheExtension) {
+  ASSERT_TRUE(d.cell.await(d.cell->runs.abort(d.cell.ada, look(id).turns[0].runs[1], "fire")));
+  const auto record = finished(id);
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_THAT(record.reason, HasSubstr("fire; diagnosis 1 was undone"));
+  EXPECT_FALSE(is_in_force(d.cell));
+}
+
+TEST_F(EndedInFreshPoints, ByAStopUndoesTheExtension) {
+  ASSERT_TRUE(d.cell.await(d.cell->manual.stop_all(d.cell.ada)));
+  const auto record = finished(id);
+  EXPECT_THAT(record.reason, HasSubstr("its runs stay; diagnosis 1 was undone"));
+  EXPECT_FALSE(is_in_force(d.cell));
+}
+
+TEST_F(EndedInFreshPoints, LeavesAModelThatAPersonHasPromotedMeanwhile) {
+  ASSERT_TRUE(d.cell.await(
+      d.cell->promotions.promote(d.cell.ada, *look(id).turns[0].model, true, "needed today")));
+  const auto cancelled = d.cell.await(d.cell->improvements.cancel(d.cell.ada, id));
+  ASSERT_TRUE(cancelled);
+  EXPECT_THAT(cancelled->reason, HasSubstr("stays in force without proof, for its model serves"));
+  EXPECT_TRUE(is_in_force(d.cell));
+}
+
+// What a kill leaves on the disk: a copy of it.
+TEST_F(EndedInFreshPoints, ByAKillUndoesTheExtensionAtTheNextStart) {
+  Folder killed;
+  for (const char* file : {"cell.sqlite", "cell.sqlite-wal"})
+    std::filesystem::copy_file(d.folder / file, killed / file);
+  SmallWorld world;
+  CellInMemory cell(world, small_cell(killed / "cell.sqlite"), kSqlite,
+                    d.cell.now() + std::chrono::hours(1));
+  EXPECT_FALSE(is_in_force(cell));
+  const auto record =
+      cell.await(cell.read([this](Store& store) { return store.improvements().improvement(id); }));
+  EXPECT_EQ(record->state, JobState::failed);
+  EXPECT_THAT(record->reason, HasSubstr("its runs stay; diagnosis 1 was undone"));
+  cell.pass(1);
+  EXPECT_EQ(cell.events_named("improvement.failed").size(), 1u);
+}
+
+// The cancel comes while the first run is being stored: the loop has not heard of it yet.
+TEST_F(ImprovementTest, ACancelWhileTheRunIsCreatedEndsThatRunToo) {
+  std::optional<ImprovementId> id;
+  bool cancelled = false;
+  application::on_crash_point([&](std::string_view name) {
+    if (name != "after_run_create_commit" || !id || std::exchange(cancelled, true)) return;
+    EXPECT_TRUE(d.cell.await(d.cell->improvements.cancel(d.cell.ada, *id)));
+  });
+  id = begin()->id;
+  d.cell.until([&] { return cancelled; });
+  application::on_crash_point({});
+  std::vector<RunRecord> runs;
+  d.cell.until([&] {
+    runs = *d.cell.await(d.cell.runs(10, 0));
+    return !runs.empty() && is_over(runs[0].state);
+  });
+  EXPECT_EQ(look(*id).state, JobState::cancelled);
+  ASSERT_EQ(runs.size(), 1u);
+  EXPECT_EQ(runs[0].state, RunState::aborted);
+  EXPECT_EQ(runs[0].accepted, 0);
 }
 
 TEST_F(ImprovementTest, APauseIsWaitedOut) {
