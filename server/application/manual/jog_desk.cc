@@ -13,6 +13,7 @@
 #include "server/application/motion/stop_desk.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/core/units.h"
 
 namespace driftwise::application {
 namespace {
@@ -82,9 +83,36 @@ Result<std::size_t> JogDesk::axis_of(const JogOrder& order) const {
   return static_cast<std::size_t>(found - motors.begin());
 }
 
+// The controller takes all its axes in one command. Another axis that rests at its limit may be
+// read back a few nanometres outside and is sent to the limit; a longer way is a motion of its own,
+// which nobody asked for.
+Result<void> JogDesk::hold_others(std::size_t axis, std::vector<double>& q_mm) const {
+  const auto& cell = bench_.description;
+  std::size_t first = 0;
+  for (const auto& device : cell.devices) {
+    const auto& axes = device.axes();
+    const bool is_told = axis >= first && axis < first + axes.size();
+    for (std::size_t i = 0; is_told && i < axes.size() && first + i < q_mm.size(); ++i) {
+      double& at_mm = q_mm[first + i];
+      const double inside_mm = std::clamp(at_mm, axes[i].min_mm, axes[i].max_mm);
+      if (first + i == axis) continue;
+      if (!(nm_from_mm(std::abs(at_mm - inside_mm)) <= cell.run.in_position_nm))
+        return fail(ErrorCode::out_of_range, reasons::kSoftLimit,
+                    fmt::format("{} is at {:.6f} mm, the soft limits of axis {} are {:g} to {:g} "
+                                "mm: controller '{}' would drive it there with the step: home, or "
+                                "move it inside first",
+                                axes[i].channel.name(), at_mm, axes[i].device_axis, axes[i].min_mm,
+                                axes[i].max_mm, device.id));
+      at_mm = inside_mm;
+    }
+    first += axes.size();
+  }
+  return {};
+}
+
 Result<void> JogDesk::check_step(const std::vector<double>& from_mm,
-                                 const std::vector<double>& to_mm) const {
-  DRIFTWISE_RETURN_IF_ERROR(check_soft_limits(bench_.description, to_mm));
+                                 const std::vector<double>& to_mm, const AxesToMove& moved) const {
+  DRIFTWISE_RETURN_IF_ERROR(check_soft_limits(bench_.description, to_mm, moved));
   return check_keep_out(bench_.description, from_mm, to_mm);
 }
 
@@ -111,16 +139,13 @@ Awaitable<Result<JogState>> JogDesk::begin(Caller caller, std::string lease_toke
   const auto from = co_await bench_.devices.motion_state();
   if (!from) co_return give_up(from.error());
   jog->target_mm = jog->state.q_mm = from->q_mm;
-  // Only the axis that is jogged may be refused: another one rests at its limit.
-  const auto axes = bench_.description.axes();
-  for (std::size_t i = 0; i < std::min(axes.size(), jog->target_mm.size()); ++i)
-    if (i != axis)
-      jog->target_mm[i] = std::clamp(jog->target_mm[i], axes[i].min_mm, axes[i].max_mm);
-  jog->moved.named.assign(axes.size(), false);
+  if (auto held = hold_others(axis, jog->target_mm); !held) co_return give_up(held.error());
+  jog->moved.named.assign(bench_.description.axes().size(), false);
   jog->moved.named[axis] = true;
   auto first = jog->target_mm;
   if (axis < first.size()) first[axis] += order.step_mm;
-  if (auto inside = check_step(jog->target_mm, first); !inside) co_return give_up(inside.error());
+  if (auto inside = check_step(from->q_mm, first, jog->moved); !inside)
+    co_return give_up(inside.error());
   if (auto wanted = jog->control.check(); !wanted) co_return give_up(wanted.error());
   engine_.remeasure_zero("jogged by hand");
   bench_.events.record(
@@ -163,7 +188,7 @@ Awaitable<Result<void>> JogDesk::step_on(Jog& jog) {
   do {
     auto next = jog.target_mm;
     next[jog.axis] += jog.order.step_mm;
-    if (const auto inside = check_step(jog.target_mm, next); !inside) {
+    if (const auto inside = check_step(jog.target_mm, next, jog.moved); !inside) {
       jog.state.released = true;
       jog.state.end_reason = inside.error().message;
       co_return Result<void>{};

@@ -29,8 +29,9 @@ class JogDesk final : public Jogs {
   using JogPtr = std::shared_ptr<Jog>;
 
   Result<std::size_t> axis_of(const JogOrder& order) const;
-  Result<void> check_step(const std::vector<double>& from_mm,
-                          const std::vector<double>& to_mm) const;
+  Result<void> hold_others(std::size_t axis, std::vector<double>& q_mm) const;
+  Result<void> check_step(const std::vector<double>& from_mm, const std::vector<double>& to_mm,
+                          const AxesToMove& moved) const;
   Result<JogPtr> find(std::int64_t id, const std::string& lease_token) const;
   Awaitable<void> carry(JogPtr jog);
   Awaitable<Result<void>> step_on(Jog& jog);

@@ -146,5 +146,67 @@ TEST_F(Jogging, WorksWhileARunIsPausedAndTheRunMeasuresItsZeroAgain) {
   EXPECT_GT(cell.await(cell.datums(run.id))->size(), datums);
 }
 
+// Two axes that are at once where they were sent.
+class TwoAxes final : public MotionController {
+ public:
+  TwoAxes(DeviceDescription description, VirtualTime& time, std::vector<double>& q_mm, int& moves)
+      : description_(std::move(description)), time_(time), q_mm_(q_mm), moves_(moves) {}
+  const DeviceDescription& description() const override { return description_; }
+  DeviceHealth health() const override { return {}; }
+  Awaitable<Result<void>> prepare() override { co_return Result<void>{}; }
+  void close() override {}
+  Awaitable<Result<MotionState>> state() override {
+    co_return MotionState{time_.now().utc, q_mm_, false, true, true};
+  }
+  Awaitable<Result<void>> home() override { co_return Result<void>{}; }
+  Awaitable<Result<void>> start_move(std::span<const double> q_mm) override {
+    ++moves_;
+    q_mm_.assign(q_mm.begin(), q_mm.end());
+    co_return Result<void>{};
+  }
+  Awaitable<Result<void>> stop() override { co_return Result<void>{}; }
+
+ private:
+  DeviceDescription description_;
+  VirtualTime& time_;
+  std::vector<double>& q_mm_;
+  int& moves_;
+};
+
+// A micrometre of q1 while q2, whose limits are -50 to 50 mm, is at q_mm[1].
+Result<JogState> jog_one_of_two(std::vector<double>& q_mm, int& moves) {
+  Folder folder;
+  SmallWorld world;
+  auto described = small_cell(folder / "cell.sqlite");
+  described.devices[0].become<MotionSettings>().axes.push_back({{"q2", "mm"}, "Y", -50, 50, 20});
+  const auto make = [&](VirtualTime& time, const CellDescription& cell) {
+    auto devices = small_devices(world, time, cell);
+    devices.front() = std::make_unique<TwoAxes>(cell.devices[0], time, q_mm, moves);
+    return devices;
+  };
+  CellInMemory cell(make, described, kSqlite, {});
+  return cell.await(cell->jogs.begin(cell.ada, cell.lease(), {"q1_mm", 0.001, false}, {}));
+}
+
+TEST(JoggingOneOfTwoAxes, SendsTheOtherOneToItsLimitFromWithinItsNoise) {
+  std::vector<double> q_mm{0, 50 + 8e-6};
+  int moves = 0;
+  const auto jog = jog_one_of_two(q_mm, moves);
+  ASSERT_TRUE(jog) << jog.error().message;
+  EXPECT_EQ(moves, 1);
+  EXPECT_EQ(q_mm, (std::vector<double>{0.001, 50}));
+}
+
+TEST(JoggingOneOfTwoAxes, IsRefusedWhereTheOtherOneWouldBeDrivenToItsLimit) {
+  std::vector<double> q_mm{0, 52};
+  int moves = 0;
+  const auto jog = jog_one_of_two(q_mm, moves);
+  ASSERT_FALSE(jog) << "2 mm at full speed, with a step of a micrometre";
+  EXPECT_EQ(jog.error().reason, "SOFT_LIMIT");
+  EXPECT_THAT(jog.error().message, HasSubstr("q2_mm is at 52.000000 mm"));
+  EXPECT_EQ(moves, 0);
+  EXPECT_EQ(q_mm, (std::vector<double>{0, 52}));
+}
+
 }  // namespace
 }  // namespace driftwise::tests
