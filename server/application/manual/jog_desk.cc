@@ -136,12 +136,12 @@ Awaitable<Result<JogState>> JogDesk::begin(Caller caller, std::string lease_toke
     right_.end_by_hand();
     return tl::unexpected(std::move(error));
   };
-  const auto from = co_await bench_.devices.motion_state();
+  jog->moved = no_axes(bench_.description);
+  jog->moved.named[axis] = true;
+  const auto from = co_await state_before(bench_, jog->moved);
   if (!from) co_return give_up(from.error());
   jog->target_mm = jog->state.q_mm = from->q_mm;
   if (auto held = hold_others(axis, jog->target_mm); !held) co_return give_up(held.error());
-  jog->moved.named.assign(bench_.description.axes().size(), false);
-  jog->moved.named[axis] = true;
   auto first = jog->target_mm;
   if (axis < first.size()) first[axis] += order.step_mm;
   if (auto inside = check_step(from->q_mm, first, jog->moved); !inside)
@@ -208,16 +208,17 @@ Awaitable<Result<void>> JogDesk::step_on(Jog& jog) {
 
 Awaitable<Result<void>> JogDesk::arrive(Jog& jog) {
   const auto& rules = bench_.description.run;
-  const auto limit = bench_.clock.now().utc + nanoseconds_from_s(rules.move_timeout_s);
+  MoveLimit limit(rules, bench_.clock.now().utc);
   while (true) {
     DRIFTWISE_CO_TRY(const auto state, co_await state_of(bench_.devices, jog.moved));
     jog.state.q_mm = state.q_mm;
     DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
     if (!state.moving && state.on_target) co_return Result<void>{};
-    if (bench_.clock.now().utc > limit)
-      co_return fail(
-          ErrorCode::deadline_exceeded, reasons::kNotSettled,
-          fmt::format("{} is not on target after {:g} s", jog.order.channel, rules.move_timeout_s));
+    const double off_nm = nm_from_mm(std::abs(state.q_mm.at(jog.axis) - jog.target_mm[jog.axis]));
+    if (limit.has_passed(off_nm, bench_.clock.now().utc))
+      co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled,
+                     fmt::format("{} is not on target and no nearer for {:g} s (move_timeout_s)",
+                                 jog.order.channel, rules.move_timeout_s));
     co_await wall_sleep(kBetweenLooks);
     DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
   }

@@ -235,10 +235,15 @@ Awaitable<Result<void>> ManualControlService::move_to(Caller caller, std::string
   events_.record(caller, "axes.move",
                  fmt::format("{} moves to {} mm", caller.name, places_of(description_, q_mm)));
   auto scope = hand.scope("the movement");
-  DRIFTWISE_CO_TRY(const auto arrival,
-                   co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name, moved));
-  if (arrival.trouble != Trouble::none)
-    co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled, arrival.sentence);
+  const auto arrival = co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name, moved);
+  // A controller that moves on after the halt is told for as long as it takes.
+  if (!arrival && arrival.error().reason == reasons::kNotSettled) {
+    auto pressing = stops_.press(caller, arrival.error().message);
+    static_cast<void>(co_await std::move(pressing));
+  }
+  DRIFTWISE_CO_RETURN_IF_ERROR(arrival);
+  if (arrival->trouble != Trouble::none)
+    co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled, arrival->sentence);
   co_return Result<void>{};
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "server/application/motion/keep_out.h"
+#include "server/application/motion/stop_desk.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -67,9 +68,41 @@ bool moves_any(const AxesToMove& moved, std::size_t first, std::size_t count) {
   return false;
 }
 
+MotionState together(const std::vector<MotionState>& states, const AxesToMove& moved) {
+  MotionState all{states.front().at, {}, false, true, true};
+  for (const auto& one : states) {
+    const bool counts = moves_any(moved, all.q_mm.size(), one.q_mm.size());
+    all.at = std::max(all.at, one.at);
+    all.q_mm.insert(all.q_mm.end(), one.q_mm.begin(), one.q_mm.end());
+    if (!counts) continue;
+    all.moving = all.moving || one.moving;
+    all.referenced = all.referenced && one.referenced;
+    all.on_target = all.on_target && one.on_target;
+  }
+  return all;
+}
+
+Awaitable<Result<void>> bring_to_rest(RunScope& scope) {
+  constexpr double kRestWithin_s = 1, kBetweenLooks_s = 0.02;
+  auto& bench = scope.bench;
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.stop());
+  const auto limit = bench.clock.now().utc + nanoseconds_from_s(kRestWithin_s);
+  for (int answers = 0; answers < StopDesk::kAnswers;) {
+    DRIFTWISE_CO_TRY(const auto state, co_await bench.devices.motion_state());
+    answers = state.moving ? 0 : answers + 1;
+    if (state.moving && bench.clock.now().utc > limit)
+      co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled,
+                     fmt::format("the axes were halted and still move after {:g} s: use the "
+                                 "emergency switch, and look at the controller",
+                                 kRestWithin_s));
+    co_await bench.clock.sleep_for(nanoseconds_from_s(kBetweenLooks_s));
+  }
+  co_return Result<void>{};
+}
+
 Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<double>& q_mm,
                                             const AxesToMove& moved) {
-  const auto limit = scope.bench.clock.now().utc + nanoseconds_from_s(scope.rules.move_timeout_s);
+  MoveLimit limit(scope.rules, scope.bench.clock.now().utc);
   while (true) {
     DRIFTWISE_CO_TRY(auto state, co_await state_of(scope.bench.devices, moved));
     DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
@@ -79,7 +112,8 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
       scope.bench.doubts.readback_is_good();
       co_return Arrival{Trouble::none, "", now};
     }
-    if (now.utc > limit && !state.moving && state.on_target) {
+    const bool is_late = limit.has_passed(off_nm, now.utc);
+    if (is_late && !state.moving && state.on_target) {
       // No servo that holds badly is so far away: then the run waits.
       constexpr double kFarAway = 10;
       const auto off = scope.bench.doubts.readback_is_off(
@@ -88,15 +122,17 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
                       off_nm, scope.rules.in_position_nm));
       if (off_nm > kFarAway * scope.rules.in_position_nm) co_return tl::unexpected(off.error());
     }
-    if (now.utc > limit)
-      co_return Arrival{
-          Trouble::not_settled,
-          fmt::format("{:.0f} nm from the commanded position after {:g} s, limit {:g} nm{}", off_nm,
-                      scope.rules.move_timeout_s, scope.rules.in_position_nm,
-                      state.moving      ? ", still moving"
-                      : state.on_target ? ""
-                                        : ", not on target"),
-          now};
+    if (is_late) {
+      if (state.moving) DRIFTWISE_CO_RETURN_IF_ERROR(co_await bring_to_rest(scope));
+      co_return Arrival{Trouble::not_settled,
+                        fmt::format("{:.0f} nm from the commanded position and no nearer for {:g} "
+                                    "s (move_timeout_s), limit {:g} nm{}",
+                                    off_nm, scope.rules.move_timeout_s, scope.rules.in_position_nm,
+                                    state.moving      ? ", still moving: halted"
+                                    : state.on_target ? ""
+                                                      : ", not on target"),
+                        now};
+    }
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(kPoll_s));
   }
 }
@@ -135,17 +171,32 @@ Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival, const Ax
 
 Awaitable<Result<MotionState>> state_of(DeviceBench& devices, AxesToMove moved) {
   DRIFTWISE_CO_TRY(const auto states, co_await devices.motion_states());
-  MotionState all{states.front().at, {}, false, true, true};
+  co_return together(states, moved);
+}
+
+AxesToMove no_axes(const CellDescription& cell) {
+  return {std::vector<bool>(cell.motor_channels().size(), false)};
+}
+
+Awaitable<Result<MotionState>> state_before(Workbench& bench, AxesToMove moved) {
+  DRIFTWISE_CO_TRY(const auto states, co_await bench.devices.motion_states());
+  std::size_t first = 0;
   for (const auto& one : states) {
-    const bool counts = moves_any(moved, all.q_mm.size(), one.q_mm.size());
-    all.at = std::max(all.at, one.at);
-    all.q_mm.insert(all.q_mm.end(), one.q_mm.begin(), one.q_mm.end());
-    if (!counts) continue;
-    all.moving = all.moving || one.moving;
-    all.referenced = all.referenced && one.referenced;
-    all.on_target = all.on_target && one.on_target;
+    if (one.moving && !moves_any(moved, first, one.q_mm.size()))
+      co_return fail(ErrorCode::failed_precondition, reasons::kMoving,
+                     fmt::format("{} is still moving, and nobody knows where it will be: wait "
+                                 "until it is at rest, or stop it",
+                                 bench.description.motor_channels().at(first).name()));
+    first += one.q_mm.size();
   }
-  co_return all;
+  co_return together(states, moved);
+}
+
+Awaitable<Result<MotionState>> state_before(RunScope& scope, AxesToMove moved) {
+  auto before = co_await state_before(scope.bench, moved);
+  if (before || before.error().reason != reasons::kMoving || !scope.run) co_return before;
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await bring_to_rest(scope));
+  co_return co_await state_before(scope.bench, moved);
 }
 
 Result<void> check_soft_limits(const CellDescription& description, const std::vector<double>& q_mm,
@@ -174,17 +225,26 @@ Result<void> check_soft_limits(const CellDescription& description, const std::ve
 
 namespace {
 
+Awaitable<Result<Arrival>> move_and_settle(RunScope& scope, const std::vector<double>& q_mm,
+                                           const AxesToMove& moved) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.bench.devices.start_move(q_mm, moved));
+  auto arrival = co_await wait_in_position(scope, q_mm, moved);
+  if (!arrival || arrival->trouble != Trouble::none) co_return arrival;
+  scope.phase("settling");
+  co_return co_await wait_quiet(scope, *arrival, moved);
+}
+
 Awaitable<Result<Arrival>> go_straight(RunScope& scope, const std::vector<double>& from_mm,
                                        std::vector<double> q_mm, std::string cause,
                                        AxesToMove moved) {
   scope.at_rest.reset();
   scope.bench.writer.add(
       MoveRecord{scope.run, scope.bench.clock.now(), from_mm, q_mm, std::move(cause)});
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.bench.devices.start_move(q_mm, moved));
-  auto arrival = co_await wait_in_position(scope, q_mm, moved);
-  if (!arrival || arrival->trouble != Trouble::none) co_return arrival;
-  scope.phase("settling");
-  co_return co_await wait_quiet(scope, *arrival, moved);
+  auto arrival = co_await move_and_settle(scope, q_mm, moved);
+  // A stop that a person pressed has its own desk.
+  if (!arrival && !scope.run && !scope.bench.stops.pending())
+    static_cast<void>(co_await scope.bench.devices.stop());
+  co_return arrival;
 }
 
 AxesToMove axes_of_robot(const CellDescription& cell, const std::string& robot) {
@@ -211,12 +271,14 @@ Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std:
   DRIFTWISE_CO_RETURN_IF_ERROR(check_soft_limits(cell, q_mm, moved));
   DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
   scope.phase("moving");
-  DRIFTWISE_CO_TRY(auto from, co_await scope.bench.devices.motion_state());
+  DRIFTWISE_CO_TRY(auto from, co_await state_before(scope, moved));
   for (std::size_t i = 0; i < std::min(q_mm.size(), from.q_mm.size()); ++i)
     if (is_missing(q_mm[i])) q_mm[i] = from.q_mm[i];
   if (const auto room = check_keep_out(cell, from.q_mm, q_mm); !room) {
     // By hand the person says who moves first.
-    const auto first = scope.run ? first_to_move(cell, from.q_mm, q_mm) : std::nullopt;
+    if (!scope.run) co_return tl::unexpected(room.error());
+    DRIFTWISE_CO_TRY(from, co_await state_before(scope, no_axes(cell)));
+    const auto first = first_to_move(cell, from.q_mm, q_mm);
     if (!first) co_return tl::unexpected(room.error());
     const auto of_first = axes_of_robot(cell, *first);
     auto between_mm = from.q_mm;

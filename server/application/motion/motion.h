@@ -1,6 +1,7 @@
 #pragma once
 // Going somewhere and being sure of it: soft limits, in position by the scale, quiet.
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,39 @@ Result<void> check_soft_limits(const CellDescription& description, const std::ve
 // it: one that nobody moves is not waited for. Errors: those of DeviceBench::motion_states.
 Awaitable<Result<MotionState>> state_of(DeviceBench& devices, AxesToMove moved);
 
+AxesToMove no_axes(const CellDescription& cell);  // all stay
+
+// The same before a motion of `moved`. An axis under way whose controller is not told anew may be
+// anywhere by its end, so no keep-out rule can be judged. Errors besides: failed_precondition
+// MOVING: which axis, what to do.
+Awaitable<Result<MotionState>> state_before(Workbench& bench, AxesToMove moved);
+
+// The same before a motion in a run, which halts such an axis itself; by hand a person does.
+Awaitable<Result<MotionState>> state_before(RunScope& scope, AxesToMove moved);
+
+// The time limit of a move: move_timeout_s after the farthest axis last came nearer to its target
+// by in_position_nm. A long or slow move takes as long as it takes.
+class MoveLimit {
+ public:
+  MoveLimit(const RunRules& rules, CellTime begin)
+      : step_nm_(rules.in_position_nm),
+        longest_(nanoseconds_from_s(rules.move_timeout_s)),
+        progress_(begin) {}
+  // off_nm: of the farthest axis; infinite: not known.
+  bool has_passed(double off_nm, CellTime now) {
+    if (off_nm < nearest_nm_ - step_nm_) {
+      nearest_nm_ = off_nm;
+      progress_ = now;
+    }
+    return now - progress_ > longest_;
+  }
+
+ private:
+  double step_nm_, nearest_nm_ = std::numeric_limits<double>::infinity();
+  Nanoseconds longest_;
+  CellTime progress_;
+};
+
 struct Arrival {
   Trouble trouble = Trouble::none;
   std::string
@@ -27,12 +61,14 @@ struct Arrival {
 
 // Moves and waits until the controllers say on target, the scales agree within in_position_nm, and
 // the scales stay within quiet_nm peak to peak over settle_s: those of the axes that move. q_mm:
-// one per axis of the cell; kMissing for an axis that does not move: it stays where it is. Not
-// arriving within move_timeout_s, or no quiet within the same time after that, is
-// Trouble::not_settled and no error. The move itself is recorded for the store, cause: "row 17".
-// RunScope::at_rest is then since when the scales have been quiet. Errors: those of the controller;
-// out_of_range, SOFT_LIMIT and KEEP_OUT (in a run one robot moves before the others where that
-// keeps the distance); aborted and cancelled by the run's control. Keeps RunScope::sides.
+// one per axis of the cell; kMissing for an axis that does not move: it stays where it is. No
+// arrival within MoveLimit, or no quiet within move_timeout_s after it, is Trouble::not_settled and
+// no error; axes that are still moving then are halted. The move itself is recorded for the store,
+// cause: "row 17". RunScope::at_rest is then since when the scales have been quiet. Errors: those
+// of the controller; out_of_range, SOFT_LIMIT and KEEP_OUT (in a run one robot moves before the
+// others where that keeps the distance); failed_precondition MOVING; deadline_exceeded NOT_SETTLED:
+// the controller reports motion after the halt; aborted and cancelled by the run's control. By hand
+// the axes are halted after an error of the way, in a run by the engine. Keeps RunScope::sides.
 void note_sides(RunScope& scope, const std::vector<double>& from_mm,
                 const std::vector<double>& to_mm);
 Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause,

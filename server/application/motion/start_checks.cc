@@ -160,18 +160,21 @@ Awaitable<Result<void>> check_drift(RunScope& scope) {
 }
 
 Awaitable<Result<void>> make_homed(RunScope& scope, bool in_any_case) {
-  DRIFTWISE_CO_TRY(const auto state, co_await scope.bench.devices.motion_state());
+  DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
   if (state.referenced && !in_any_case) co_return Result<void>{};
   if (auto ok = scope.control.check(); !ok) co_return ok;
   // Axes without a reference are nobody knows where. Others go to their zeros as in any move, in a
   // run one robot before the other where that keeps the distance.
   const auto& cell = scope.bench.description;
-  if (state.referenced && !cell.keep_outs.empty())
+  if (state.referenced && !cell.keep_outs.empty()) {
+    // One controller after the other: the last one is told long after the first.
+    DRIFTWISE_CO_TRY(state, co_await state_before(scope, no_axes(cell)));
     if (const auto room = check_homing(cell, state.q_mm); !room) {
       if (!scope.run) co_return tl::unexpected(room.error());
       DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(
           scope, std::vector<double>(state.q_mm.size(), 0.0), "to the zeros before homing"));
     }
+  }
   scope.phase("homing");
   co_return co_await scope.bench.devices.home();
 }

@@ -57,6 +57,17 @@ TEST_F(Jogging, MovesOneAxisByOneStepAndSaysWhereItIs) {
   EXPECT_THAT(cell.events_named("axes.jog"), SizeIs(1));
 }
 
+TEST_F(Jogging, ASlowStepTakesAsLongAsItComesNearer) {
+  std::optional<Result<JogState>> jog;
+  cell.begin(cell->jogs.begin(cell.ada, lease, {"q1_mm", 1, false}, {}), jog);
+  const int moves = world.moves;
+  cell.until([&] { return world.moves > moves; });
+  world.move_end_ns = world.move_begin_ns + nanoseconds_from_s(90).count();
+  cell.until([&] { return jog.has_value(); }, 120);
+  ASSERT_TRUE(*jog) << jog->error().message;
+  EXPECT_TRUE((*jog)->released) << "three times move_timeout_s";
+}
+
 TEST_F(Jogging, RefusesWhatIsNoBoundedStepAndNothingMoves) {
   const int moves = world.moves;
   EXPECT_EQ(begin({"q7_mm", 0.001, false}).error().reason, "UNKNOWN_AXIS");

@@ -135,14 +135,116 @@ TEST_F(SeveralRobots, OneIsMovedByHandAndTheOtherIsNotTold) {
   EXPECT_THAT(cell.events_named("axes.move").back(), HasSubstr("ma.q1 2"));
 }
 
-TEST_F(SeveralRobots, OneThatIsNotOnTargetHoldsNobodyElse) {
-  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
-  mn.move_begin_ns = cell.now().utc_ns;  // at its place, and its controller says "not on target"
-  mn.move_end_ns = mn.move_begin_ns + nanoseconds_from_s(3600).count();
+// At rest, and never on target by what its controller says.
+class Restless final : public MotionController {
+ public:
+  explicit Restless(std::unique_ptr<MotionController> of) : of_(std::move(of)) {}
+  const DeviceDescription& description() const override { return of_->description(); }
+  DeviceHealth health() const override { return of_->health(); }
+  Awaitable<Result<void>> prepare() override { return of_->prepare(); }
+  void close() override { of_->close(); }
+  Awaitable<Result<MotionState>> state() override {
+    auto state = co_await of_->state();
+    if (state) state->on_target = false;
+    co_return state;
+  }
+  Awaitable<Result<void>> home() override { return of_->home(); }
+  Awaitable<Result<void>> start_move(std::span<const double> q_mm) override {
+    return of_->start_move(q_mm);
+  }
+  Awaitable<Result<void>> stop() override { return of_->stop(); }
+
+ private:
+  std::unique_ptr<MotionController> of_;
+};
+
+TEST(SeveralRobotsOneRestless, HoldsNobodyElse) {
+  Folder folder;
+  SmallWorld ma, mn;
+  ma.referenced = mn.referenced = true;
+  const auto make = [&](VirtualTime& time, const CellDescription& cell) {
+    auto devices = two_robot_devices(ma, mn)(time, cell);
+    auto& port = std::get<std::unique_ptr<MotionController>>(devices.back().port);
+    port = std::make_unique<Restless>(std::move(port));
+    return devices;
+  };
+  CellInMemory cell(make, two_robot_cell(folder / "cell.sqlite"), kSqlite, {});
   const auto begun = cell.now();
-  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {2, kMissing}, {})));
+  const auto moved = cell.await(cell->manual.move_to(cell.ada, cell.lease(), {2, kMissing}, {}));
+  ASSERT_TRUE(moved) << moved.error().message;
   EXPECT_TRUE(cell.await(cell->jogs.begin(cell.ada, cell.lease(), {"ma.q1_mm", 0.5, false}, {})));
   EXPECT_LT(seconds_from(cell.now() - begun), 30);
+}
+
+TEST_F(SeveralRobots, OneIsNotMovedWhileTheOtherIsStillUnderWay) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
+  ma.move_begin_ns = cell.now().utc_ns;
+  ma.move_end_ns = ma.move_begin_ns + nanoseconds_from_s(3600).count();
+  const int told = mn.moves, homes = ma.homes;
+  const auto moved = cell.await(cell->manual.move_to(cell.ada, cell.lease(), {kMissing, 2}, {}));
+  ASSERT_FALSE(moved) << "nobody knows where ma will be";
+  EXPECT_EQ(moved.error().reason, "MOVING");
+  EXPECT_THAT(moved.error().message, HasSubstr("ma.q1_mm is still moving"));
+  const auto jogged =
+      cell.await(cell->jogs.begin(cell.ada, cell.lease(), {"mn.q1_mm", 0.5, false}, {}));
+  ASSERT_FALSE(jogged);
+  EXPECT_EQ(jogged.error().reason, "MOVING");
+  const auto homed = cell.await(cell->manual.home(cell.ada, cell.lease(), {}));
+  ASSERT_FALSE(homed);
+  EXPECT_EQ(homed.error().reason, "MOVING");
+  EXPECT_EQ(mn.moves, told);
+  EXPECT_EQ(ma.homes, homes);
+  EXPECT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {2, kMissing}, {})))
+      << "its own controller is told anew";
+  EXPECT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {kMissing, 1}, {})));
+}
+
+TEST_F(SeveralRobots, AMoveByHandThatComesNoNearerIsHalted) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
+  std::optional<Result<void>> moved;
+  cell.begin(cell->manual.move_to(cell.ada, cell.lease(), {2, kMissing}, {}), moved);
+  cell.until([&] { return moves(ma); });
+  ma.to_mm = ma.from_mm;  // jammed: its controller reports motion
+  ma.move_end_ns = ma.move_begin_ns + nanoseconds_from_s(3600).count();
+  cell.until([&] { return moved.has_value(); }, 60);
+  ASSERT_FALSE(*moved);
+  EXPECT_EQ(moved->error().reason, "NOT_SETTLED");
+  EXPECT_THAT(moved->error().message,
+              HasSubstr("no nearer for 30 s (move_timeout_s), limit 150 nm, still moving: halted"));
+  EXPECT_GE(ma.stops, 1);
+  EXPECT_FALSE(moves(ma));
+  EXPECT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {kMissing, 2}, {})));
+}
+
+TEST_F(SeveralRobots, AMoveByHandThatNoHaltEndsGetsTheStopThatIsNotForgotten) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
+  std::optional<Result<void>> moved;
+  cell.begin(cell->manual.move_to(cell.ada, cell.lease(), {2, kMissing}, {}), moved);
+  cell.until([&] { return moves(ma); });
+  ma.to_mm = ma.from_mm;
+  ma.move_end_ns = ma.move_begin_ns + nanoseconds_from_s(3600).count();
+  ma.stop_does_nothing = true;
+  cell.until([&] { return moved.has_value(); }, 60);
+  ASSERT_FALSE(*moved);
+  ASSERT_FALSE(cell.status().pending_stops.empty());
+  EXPECT_THAT(cell.status().pending_stops.front().cause, HasSubstr("halted and still move"));
+  const auto next = cell.await(cell->manual.move_to(cell.ada, cell.lease(), {kMissing, 2}, {}));
+  ASSERT_FALSE(next);
+  EXPECT_EQ(next.error().reason, "STOP_PENDING");
+}
+
+TEST_F(SeveralRobots, AMoveByHandWhoseControllerIsLostIsHaltedToo) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
+  std::optional<Result<void>> moved;
+  cell.begin(cell->manual.move_to(cell.ada, cell.lease(), {4, kMissing}, {}), moved);
+  cell.until([&] { return moves(ma); });
+  ma.axis_away = true;
+  cell.until([&] { return ma.stops > 0; }, 5);
+  ma.axis_away = false;  // the link is back while the stop is under way
+  cell.until([&] { return moved.has_value(); }, 60);
+  EXPECT_FALSE(*moved);
+  EXPECT_FALSE(moves(ma));
+  EXPECT_LT(ma.to_mm, 3.9);
 }
 
 TEST_F(SeveralRobots, EachOfThemIsWatchedForMotionOfNobody) {

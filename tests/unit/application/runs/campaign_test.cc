@@ -102,6 +102,19 @@ TEST_F(Campaign, ReapproachesRequeuesAndGivesUpWithinTheBudgets) {
   EXPECT_LE(first_row.size(), 12u);
 }
 
+TEST_F(Campaign, AMoveTakesAsLongAsItComesNearer) {
+  auto request = application::CreateRun{};
+  request.trajectory_text = lines_of(1, {4, -4}, false);
+  request.rules = description.run;
+  request.rules->move_timeout_s = 1;  // from 4 to -4 mm are 2.3 s
+  const auto run = cell.try_run(request);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  const auto tries = attempts(run->id);
+  ASSERT_EQ(tries.size(), 2u);
+  for (const auto& one : tries) EXPECT_EQ(one.verdict, Verdict::accepted) << one.reason;
+}
+
 TEST_F(Campaign, DoesNotReadAnAxisThatNeverSettles) {
   auto request = application::CreateRun{};
   request.trajectory_text = lines_of(1, {2}, false);
