@@ -54,7 +54,9 @@ Nd28xProbe::Nd28xProbe(DeviceDescription device, const Options& options,
       options_(options) {}
 
 Awaitable<Result<void>> Nd28xProbe::set_up() {
-  if (!options_.asks_identity) co_return Result<void>{};
+  // An identity is told from a value. Without one a value may be the answer to a question of
+  // before, which a serial server gives to whoever is connected.
+  if (!options_.asks_identity) co_return co_await link_.await_silence(timeout_);
   DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask(kAskIdentity, timeout_, kIdentityLines));
   const auto identity = parse_identity(reply);
   if (!identity) co_return wrong(identity);

@@ -7,8 +7,9 @@
 // stands at an end of its way, is a state: the length is then missing (kMissing), not an error.
 // zero() keeps the present value as the zero here and changes nothing in the read-out, whose value
 // stays absolute: the zero outlives a broken line, but not the daemon. Until the first zero() the
-// length counts from the read-out's own 0. An answer that did not come in time is got rid
-// of by a new connection. start and end are cell time.
+// length counts from the read-out's own 0. An answer that did not come in time is got rid of by a
+// new connection: its first question is the identity, or, of a read-out that has none, is asked
+// after a time-out's silence. start and end are cell time.
 
 #include <optional>
 #include <vector>

@@ -119,6 +119,29 @@ Awaitable<Result<void>> Link::tell(std::string command, Nanoseconds timeout) {
   co_return Result<void>{};
 }
 
+Awaitable<Result<void>> Link::await_silence(Nanoseconds silence) {
+  if (busy_) co_return fail(ErrorCode::internal, reasons::kBusy, context("two calls at once"));
+  if (!connected_)
+    co_return fail(ErrorCode::unavailable, reasons::kLinkDown, context("not connected"));
+  Running running(*this);
+  const auto started = SteadyClock::now();
+  char stale[256];
+  for (int i = 0; i < kMaxStaleReplies; ++i) {
+    start_timer(clock_.wall_from(silence, kShortestTimeout));
+    const auto [error, count] = co_await stream_->read_some(stale);
+    if (interruption_ == Interruption::aborted || (error && interruption_ == Interruption::none))
+      co_return tl::unexpected(ended(error, "waiting for silence", SteadyClock::now() - started));
+    if (count == 0) {
+      running.finish();
+      co_return Result<void>{};
+    }
+    interruption_ = Interruption::none;
+    log_.add({health_.exchanges, "", std::string(stale, count), {}, "late, thrown away"});
+  }
+  drop("talks without end");
+  co_return fail(ErrorCode::data_loss, reasons::kOutOfStep, context("talks without being asked"));
+}
+
 Awaitable<Result<std::string>> Link::talk(std::string request, Nanoseconds timeout, int replies) {
   Running running(*this);
   const bool there = still_there();  // drops stale bytes

@@ -51,6 +51,10 @@ class Link {
   Awaitable<Result<void>> connect(Nanoseconds timeout);
   // Sends the request and returns `replies` complete replies in one piece, as they came.
   Awaitable<Result<std::string>> ask(std::string request, Nanoseconds timeout, int replies = 1);
+  // Reads until nothing has come for so long, and throws away what came: of a device that knows no
+  // resync_request, an answer that is still under way to whoever is connected. Errors besides:
+  // data_loss OUT_OF_STEP: it talks without end.
+  Awaitable<Result<void>> await_silence(Nanoseconds silence);
   // Sends a command that is never answered.
   Awaitable<Result<void>> tell(std::string command, Nanoseconds timeout);
 

@@ -105,6 +105,23 @@ TEST_F(TouchProbeLoop, AsksNoIdentityOfAReadOutThatHasNone) {
   EXPECT_TRUE(run(made->as<Instrument>()->read()));
 }
 
+TEST_F(TouchProbeLoop, DoesNotTakeTheLateAnswerOfTheQuestionBefore) {
+  peer.on_connection({expect("\x02")});
+  peer.on_connection({send("+    1.0"), send("0000 \r\n"), expect("\x02"),
+                      send("+    2.00000 \r\n"), expect("\x02"), send("+    3.00000 \r\n")});
+  auto made = make(touch({{"identity", "off"}}));
+  ASSERT_TRUE(made);
+  auto& probe = *made->as<Instrument>();
+  const auto late = run(probe.read());
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().reason, "TIMEOUT");
+  for (const double expected_mm : {2.0, 3.0}) {
+    const auto reading = run(probe.read());
+    ASSERT_TRUE(reading) << reading.error().message;
+    EXPECT_NEAR(*reading->find("z_mm"), expected_mm, 1e-12);
+  }
+}
+
 TEST_F(TouchProbeLoop, SaysWhatTheReadOutShowsInThePlaceOfAValue) {
   peer.on_connection(known_and({expect("\x02"), send("SIGNAL X\r\n")}));
   auto made = make(touch());
