@@ -62,10 +62,12 @@ class LineDevice : public Port {
   Awaitable<Result<void>> set_up_or_drop() {
     identity_line_.clear();
     auto done = co_await set_up();
-    if (done)
+    if (done) {
       set_up_generation_ = link_.generation();
-    else if (link_.connected() && done.error().code != ErrorCode::aborted)
-      link_.drop(done.error().message);
+      link_.device_is_set_up();
+    } else if (link_.connected() && done.error().code != ErrorCode::aborted) {
+      link_.drop(done.error());
+    }
     co_return done;
   }
 

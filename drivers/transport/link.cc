@@ -76,6 +76,7 @@ Awaitable<Result<void>> Link::connect(Nanoseconds timeout) {
       co_return fail(ErrorCode::aborted, abort_reason_,
                      context("stopped while waiting to reconnect"));
     if (wait > limit) {
+      if (refusal_) co_return tl::unexpected(*refusal_);
       co_return fail(ErrorCode::unavailable, reasons::kLinkDown,
                      context("not connected, next attempt in " + milliseconds(wait - limit) +
                              "; last error: " + health_.last_error));
@@ -87,6 +88,7 @@ Awaitable<Result<void>> Link::connect(Nanoseconds timeout) {
   const error_code error = co_await stream_->open();
   if (!error && interruption_ == Interruption::none) {
     connected_ = in_step_ = true;
+    has_answered_ = is_set_up_ = false;
     buffer_.clear();
     if (generation_++ > 0) ++health_.reconnects;
     health_.link = LinkState::connected;
@@ -182,7 +184,8 @@ Awaitable<Result<std::string>> Link::talk(std::string request, Nanoseconds timeo
   }
   running.finish();
   health_.last_good = clock_.now().utc;
-  back_off_.after_success();
+  has_answered_ = true;
+  if (is_set_up_) back_off_.after_success();
   std::string reply = buffer_.substr(0, length);
   buffer_.erase(0, length);
   log_.add(std::move(exchange));
@@ -252,8 +255,14 @@ bool Link::still_there() {
   return true;
 }
 
+void Link::device_is_set_up() {
+  is_set_up_ = true;
+  if (has_answered_) back_off_.after_success();
+}
+
 error_code Link::interrupt(std::string_view bytes, std::string why) {
   const error_code error = write_now(bytes);
+  not_before_ = {};
   in_step_ = false;
   if (busy_) {
     interruption_ = Interruption::aborted;
@@ -268,7 +277,13 @@ error_code Link::write_now(std::string_view bytes) {
   return connected_ && !bytes.empty() ? stream_->write_now(bytes) : error_code{};
 }
 
+void Link::drop(const Error& refusal) {
+  drop(refusal.message);
+  refusal_ = refusal;
+}
+
 void Link::drop(const std::string& why) {
+  refusal_.reset();
   connected_ = false;
   in_step_ = true;
   stream_->close();

@@ -4,6 +4,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -32,12 +33,14 @@ struct LinkSettings {
   std::function<bool(std::string_view reply)> is_resync_reply;
 };
 
-// Reconnects with back-off (see BackOff), never within an exchange: the owner looks at generation()
-// and sets its device up again when that has changed. One exchange at a time; a second one answers
-// internal, reason BUSY. Errors: unavailable (LINK_DOWN: cannot connect; LINK_LOST: broken in
-// mid-exchange), deadline_exceeded (TIMEOUT), aborted (what abort() was told), data_loss
-// (REPLY_TOO_LONG). Each names device, address, sent, received and after how long. All on the
-// executor's thread. Destroy it only when no call is under way or the executor has stopped.
+// Reconnects with back-off (see BackOff), never within an exchange: the owner looks at
+// generation(), sets its device up again when that has changed, and says when that is done: a
+// device that answers and cannot be set up is backed off from as one that is away. One exchange at
+// a time; a second one answers internal, reason BUSY. Errors: unavailable (LINK_DOWN: cannot
+// connect; LINK_LOST: broken in mid-exchange), deadline_exceeded (TIMEOUT), aborted (what abort()
+// was told), data_loss (REPLY_TOO_LONG). Each names device, address, sent, received and after how
+// long. All on the executor's thread. Destroy it only when no call is under way or the executor has
+// stopped.
 class Link {
  public:
   Link(asio::any_io_executor executor, Clock& clock, LinkSettings settings,
@@ -58,18 +61,23 @@ class Link {
   // Sends a command that is never answered.
   Awaitable<Result<void>> tell(std::string command, Nanoseconds timeout);
 
-  // For a stop: writes at once, whatever is under way, and ends that with aborted. No-op when not
-  // connected.
+  // For a stop: writes at once, whatever is under way, and ends that with aborted. Not connected:
+  // the next connect() does not back off.
   error_code interrupt(std::string_view bytes, std::string why);
   // The same without ending anything: for bytes that are never answered. No-op when not connected.
   error_code write_now(std::string_view bytes);
   void drop(const std::string& why);  // closes the line; the next connect() backs off
-  void close();                       // by its owner: a pending call is aborted, no back-off
+  // The same of a device that cannot be set up: connect() answers with this until the next attempt.
+  void drop(const Error& refusal);
+  void close();  // by its owner: a pending call is aborted, no back-off
 
   bool connected() const { return connected_; }
   // What the other end is known by, address_key.h; empty when not connected.
   std::string peer_key() const { return connected_ ? stream_->peer_key() : std::string(); }
   std::int64_t generation() const { return generation_; }  // counts connections
+  // By its owner, for this connection. From now on, or at once when it has answered, an answer is a
+  // success for the back-off.
+  void device_is_set_up();
   bool in_step() const { return in_step_; }
   void lose_step() { in_step_ = false; }  // the owner got an answer that makes no sense
 
@@ -99,11 +107,13 @@ class Link {
   asio::steady_timer deadline_, pause_;
   BackOff back_off_;
   std::chrono::steady_clock::time_point not_before_{};
-  std::string buffer_;  // received, not yet consumed
+  std::optional<Error> refusal_;  // why the device was not set up on the last connection
+  std::string buffer_;            // received, not yet consumed
   enum class Interruption { none, timeout, aborted } interruption_ = Interruption::none;
   std::string abort_reason_;
   std::uint64_t timer_id_ = 0;
   bool busy_ = false, connected_ = false, in_step_ = true;
+  bool has_answered_ = false, is_set_up_ = false;  // on this connection
   std::int64_t generation_ = 0;
   DeviceHealth health_;
   ExchangeLog log_;

@@ -122,6 +122,23 @@ TEST_F(TouchProbeLoop, DoesNotTakeTheLateAnswerOfTheQuestionBefore) {
   }
 }
 
+TEST_F(TouchProbeLoop, BacksOffFromAnotherDevice) {
+  auto made = make(touch());
+  ASSERT_TRUE(made);
+  int asked = 0;
+  for (const auto begun = std::chrono::steady_clock::now();
+       std::chrono::steady_clock::now() - begun < std::chrono::seconds(2); ++asked) {
+    peer.on_connection({expect("\x1b"
+                               "A0000\r"),
+                        send("\x02MODEL 2701\r\nx\r\n"), send("y\r\n")});
+    const auto reading = run(made->as<Instrument>()->read());
+    ASSERT_FALSE(reading);
+    EXPECT_EQ(reading.error().reason, "WRONG_DEVICE") << "also while it is backed off from";
+  }
+  EXPECT_GT(asked, peer.connections()) << "the waits double beyond the time-out";
+  EXPECT_LE(peer.connections(), 8) << "0, 50, 100, 200, 400 ms at least between them";
+}
+
 TEST_F(TouchProbeLoop, SaysWhatTheReadOutShowsInThePlaceOfAValue) {
   peer.on_connection(known_and({expect("\x02"), send("SIGNAL X\r\n")}));
   auto made = make(touch());

@@ -163,6 +163,36 @@ TEST_F(TcpLink, BacksOffFromADeviceThatIsAwayAndComesBackToIt) {
   EXPECT_EQ(link->health().link, LinkState::connected);
 }
 
+TEST_F(TcpLink, BacksOffFromADeviceThatAnswersAndCannotBeSetUp) {
+  LinkSettings settings;
+  settings.back_off = {1000ms, 1000ms};
+  Link link(context.get_executor(), clock, settings,
+            make_stream(context.get_executor(), *parse_address(peer.address()), {}));
+  const auto time_to_connect = [&] {
+    peer.on_connection({expect("ID?\n"), send("me\n")});
+    const auto before = std::chrono::steady_clock::now();
+    EXPECT_TRUE(run(link.connect(Nanoseconds(2s))));
+    const auto took = std::chrono::steady_clock::now() - before;
+    EXPECT_TRUE(ask(link, "ID?\n"));
+    return took;
+  };
+  const Error refusal{ErrorCode::failed_precondition, "WRONG_DEVICE", "expected another one"};
+  for (int i = 0; i < 2; ++i) {
+    time_to_connect();
+    link.drop(refusal);
+  }
+  EXPECT_GE(time_to_connect(), 500ms);
+  link.drop(refusal);
+  const auto meanwhile = run(link.connect(kTimeout));
+  ASSERT_FALSE(meanwhile);
+  EXPECT_EQ(meanwhile.error().reason, "WRONG_DEVICE") << "as long as it waits";
+  link.interrupt({}, "STOPPED");
+  EXPECT_LT(time_to_connect(), 500ms) << "a stop does not wait";
+  link.device_is_set_up();
+  link.drop("broken");
+  EXPECT_LT(time_to_connect(), 500ms) << "at once after a success";
+}
+
 TEST_F(TcpLink, WaitsForTheBackOffNoLongerThanItsTimeout) {
   LinkSettings settings;
   auto link = make(settings);
