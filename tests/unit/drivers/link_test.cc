@@ -1,5 +1,9 @@
 #include "drivers/transport/link.h"
 
+#include <boost/asio/post.hpp>
+#include <list>
+
+#include "drivers/transport/tcp_stream.h"
 #include "tests/unit/drivers/driver_fixture.h"
 
 namespace driftwise::transport {
@@ -36,7 +40,37 @@ class TcpLink : public tests::DriverFixture {
   Result<std::string> ask(Link& link, std::string request, int replies = 1) {
     return run(link.ask(std::move(request), kTimeout, replies));
   }
+  std::unique_ptr<Link> make_by_name(LookUp look_up) {
+    LinkSettings settings;
+    settings.back_off = {40ms, 80ms};
+    return std::make_unique<Link>(
+        context.get_executor(), clock, settings,
+        make_tcp_stream(context.get_executor(), {"axis.lab", 1}, std::move(look_up)));
+  }
+  LookUp finds(Endpoints all) {
+    return [this, all = std::move(all)](const TcpAddress&, Found found) {
+      asio::post(context, [all, found = std::move(found)] { found({}, all); });
+    };
+  }
   static constexpr Nanoseconds kTimeout{250ms};
+};
+
+// Listens, never accepts, and its backlog is full: whoever knocks hears nothing.
+class Hole {
+ public:
+  explicit Hole(asio::io_context& context) : acceptor_(context) {
+    const asio::ip::tcp::endpoint any(asio::ip::address_v4::loopback(), 0);
+    acceptor_.open(any.protocol());
+    acceptor_.bind(any);
+    acceptor_.listen(0);
+    for (int i = 0; i < 6; ++i)
+      waiting_.emplace_back(context).async_connect(endpoint(), [](error_code) {});
+  }
+  asio::ip::tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
+
+ private:
+  asio::ip::tcp::acceptor acceptor_;
+  std::list<asio::ip::tcp::socket> waiting_;
 };
 
 TEST_F(TcpLink, PutsAReplyTogetherThatArrivesInPieces) {
@@ -191,6 +225,55 @@ TEST_F(TcpLink, BacksOffFromADeviceThatAnswersAndCannotBeSetUp) {
   link.device_is_set_up();
   link.drop("broken");
   EXPECT_LT(time_to_connect(), 500ms) << "at once after a success";
+}
+
+TEST_F(TcpLink, FindsAHostByItsName) {
+  peer.on_connection({expect("A\n"), send("a\n")});
+  const auto address = std::get<TcpAddress>(*parse_address(peer.address()));
+  Link link(context.get_executor(), clock, {},
+            make_tcp_stream(context.get_executor(), {"localhost", address.port}));
+  ASSERT_TRUE(run(link.connect(Nanoseconds(5s))));
+  EXPECT_EQ(*ask(link, "A\n"), "a\n");
+}
+
+TEST_F(TcpLink, ItsTimeOutHoldsForAllAddressesOfAName) {
+  Hole first(context), second(context);
+  let_pass(50ms);
+  auto link = make_by_name(finds({first.endpoint(), second.endpoint()}));
+  const auto before = std::chrono::steady_clock::now();
+  const auto down = run(link->connect(kTimeout));
+  EXPECT_LT(std::chrono::steady_clock::now() - before, 2s);
+  ASSERT_FALSE(down);
+  EXPECT_THAT(down.error().message, HasSubstr("no connection within"));
+}
+
+TEST_F(TcpLink, BeginsWithAnotherAddressOfTheNameAfterOneThatIsSilent) {
+  Hole silent(context);
+  let_pass(50ms);
+  peer.on_connection({expect("A\n"), send("a\n")});
+  const auto address = std::get<TcpAddress>(*parse_address(peer.address()));
+  auto link =
+      make_by_name(finds({silent.endpoint(), {asio::ip::address_v4::loopback(), address.port}}));
+  EXPECT_FALSE(run(link->connect(kTimeout)));
+  ASSERT_TRUE(run(link->connect(kTimeout)));
+  EXPECT_EQ(*ask(*link, "A\n"), "a\n");
+}
+
+TEST_F(TcpLink, ItsTimeOutAndAStopEndALookUp) {
+  std::vector<Found> asked;
+  auto link = make_by_name([&](const TcpAddress&, Found found) { asked.push_back(found); });
+  const auto before = std::chrono::steady_clock::now();
+  EXPECT_EQ(run(link->connect(kTimeout)).error().reason, "LINK_DOWN");
+  asio::steady_timer later(context, 20ms);
+  later.async_wait([&](auto) { link->interrupt({}, "STOPPED"); });
+  const auto stopped = run(link->connect(Nanoseconds(60s)));
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().reason, "STOPPED");
+  EXPECT_LT(std::chrono::steady_clock::now() - before, 5s);
+  ASSERT_EQ(asked.size(), 2u);
+  link = nullptr;
+  for (const auto& found : asked) found({}, {});  // an answer that nobody waits for
+  let_pass(10ms);
 }
 
 TEST_F(TcpLink, WaitsForTheBackOffNoLongerThanItsTimeout) {
