@@ -37,16 +37,45 @@ std::size_t keep_bytes(char* bytes, std::size_t size, std::size_t count, void* i
   return size * count;
 }
 
-// The last line, or the last refusal (4xx, 5xx): a server says good-bye after it.
-std::size_t keep_line(char* bytes, std::size_t size, std::size_t count, void* into) {
-  const std::string line(bytes, std::min(size * count, kMostKept));
-  auto& kept = *static_cast<std::string*>(into);
-  const auto is_refusal = [](const std::string& text) {
-    return text.starts_with('4') || text.starts_with('5');
+// What a mail server said.
+struct MailTalk {
+  struct Refused {
+    std::string address, why;
   };
-  if (line.find_first_not_of("\r\n") != std::string::npos &&
-      (is_refusal(line) || !is_refusal(kept)))
-    kept = line;
+  std::string command;           // sent last
+  std::string last, refusal;     // its last line, and its last refusal (4xx, 5xx)
+  std::vector<Refused> refused;  // recipients
+};
+
+std::string between(const std::string& text, char begin, char end) {
+  const auto from = text.find(begin);
+  if (from == std::string::npos) return {};
+  return text.substr(from + 1, text.find(end, from) - from - 1);
+}
+
+int note_command(CURL*, curl_infotype kind, char* bytes, std::size_t size, void* into) {
+  if (kind == CURLINFO_HEADER_OUT)
+    static_cast<MailTalk*>(into)->command.assign(bytes, std::min(size, kMostKept));
+  return 0;
+}
+
+std::size_t note_answer(char* bytes, std::size_t size, std::size_t count, void* into) {
+  auto& talk = *static_cast<MailTalk*>(into);
+  std::string line(bytes, std::min(size * count, kMostKept));
+  line.erase(line.find_last_not_of("\r\n") + 1);
+  if (line.empty()) return size * count;
+  if (line.front() != '4' && line.front() != '5') {
+    talk.last = clean_line(line);
+    return size * count;
+  }
+  talk.refusal = clean_line(line);
+  if (talk.command.starts_with("RCPT TO:")) {
+    const auto address = between(talk.command, '<', '>');
+    // A refusal may have several lines.
+    if (talk.refused.empty() || talk.refused.back().address != address)
+      talk.refused.push_back({address, {}});
+    talk.refused.back().why = talk.refusal;
+  }
   return size * count;
 }
 
@@ -177,7 +206,7 @@ Result<std::string> send_mail(const MailCall& call, std::chrono::milliseconds li
   List to;
   for (const auto& one : call.to) add(to, "<" + one + ">");
   const std::string from = "<" + call.from + ">";
-  std::string last;
+  MailTalk talk;
   Upload upload{call.message};
   set(easy, CURLOPT_USE_SSL, static_cast<long>(call.tls ? CURLUSESSL_ALL : CURLUSESSL_NONE));
   if (!call.user.empty()) {
@@ -186,15 +215,24 @@ Result<std::string> send_mail(const MailCall& call, std::chrono::milliseconds li
   }
   set(easy, CURLOPT_MAIL_FROM, from.c_str());
   set(easy, CURLOPT_MAIL_RCPT, to.get());
+  // A recipient who is refused keeps the mail from nobody else. The name of before 8.2 is known to
+  // every version.
+  set(easy, CURLOPT_MAIL_RCPT_ALLLOWFAILS, 1L);
   set(easy, CURLOPT_UPLOAD, 1L);
   set(easy, CURLOPT_READFUNCTION, &give_bytes);
   set(easy, CURLOPT_READDATA, &upload);
-  set(easy, CURLOPT_HEADERFUNCTION, &keep_line);
-  set(easy, CURLOPT_HEADERDATA, &last);
+  set(easy, CURLOPT_HEADERFUNCTION, &note_answer);
+  set(easy, CURLOPT_HEADERDATA, &talk);
+  set(easy, CURLOPT_VERBOSE, 1L);
+  set(easy, CURLOPT_DEBUGFUNCTION, &note_command);
+  set(easy, CURLOPT_DEBUGDATA, &talk);
   const CURLcode code = perform(easy, stop);
-  last = clean_line(last.substr(0, last.find_last_not_of("\r\n") + 1));
-  if (code != CURLE_OK) return failed(code, call.url, error.data(), last, stop);
-  return last.empty() ? "accepted" : last;
+  if (code != CURLE_OK)
+    return failed(code, call.url, error.data(), talk.refusal.empty() ? talk.last : talk.refusal,
+                  stop);
+  std::string said = talk.last.empty() ? "accepted" : talk.last;
+  for (const auto& one : talk.refused) said += "; NOT DELIVERED to " + one.address + ": " + one.why;
+  return said;
 }
 
 }  // namespace driftwise::notify

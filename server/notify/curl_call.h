@@ -26,7 +26,8 @@ struct MailCall {
 // 2xx), cancelled SHUTTING_DOWN.
 Result<std::string> post(const HttpPost& call, std::chrono::milliseconds limit,
                          const std::atomic<bool>& stop);
-// Result: the server's last line, "250 OK".
+// Result: the server's last line, "250 OK", with each recipient that it refused: the others have
+// the mail. Errors besides: NOT_DELIVERED also where it refuses all of them.
 Result<std::string> send_mail(const MailCall& call, std::chrono::milliseconds limit,
                               const std::atomic<bool>& stop);
 

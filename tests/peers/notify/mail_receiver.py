@@ -1,6 +1,6 @@
 """A mail server (aiosmtpd) that reads each mail with Python's own parser and keeps it as a line of JSON.
 
-Prints "READY <port>". With a certificate and key: STARTTLS is required, and with a user and password, AUTH as well.
+Prints "READY <port>". Refuses addresses that begin with "gone@". With a certificate and key: STARTTLS is required, and with a user and password, AUTH as well.
 """
 import email
 import email.policy
@@ -17,6 +17,13 @@ from aiosmtpd.smtp import AuthResult, SMTP
 class Keeper:
     def __init__(self, kept):
         self.kept = kept
+
+    async def handle_RCPT(self, server, session, envelope, address, rcpt_options):
+        if address.startswith("gone@"):
+            return "550 5.1.1 no such user"
+        envelope.rcpt_tos.append(address)
+        envelope.rcpt_options.extend(rcpt_options)
+        return "250 OK"
 
     async def handle_DATA(self, server, session, envelope):
         mail = email.message_from_bytes(envelope.content, policy=email.policy.default)

@@ -115,6 +115,22 @@ TEST_F(OutsideNotifierTest, AMailIsReadByAnotherParser) {
   EXPECT_TRUE(kept[0].at("defects").empty()) << kept[0];
 }
 
+TEST_F(OutsideNotifierTest, ARefusedRecipientKeepsAMailFromNobodyElse) {
+  const MailReceiver receiver(folder.path());
+  const auto said = notifier.tell(
+      mail_to(receiver.url(), {"ada@lab.example", "gone@lab.example", "bob@lab.example"}),
+      notice());
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "250 2.0.0 kept; NOT DELIVERED to gone@lab.example: 550 5.1.1 no such user");
+  ASSERT_EQ(receiver.kept().size(), 1U);
+  EXPECT_EQ(receiver.kept()[0].at("to"), (nlohmann::json{"ada@lab.example", "bob@lab.example"}));
+  const auto refused = notifier.tell(mail_to(receiver.url(), {"gone@lab.example"}), notice());
+  ASSERT_FALSE(refused) << "nobody is left";
+  EXPECT_EQ(refused.error().reason, "NOT_DELIVERED");
+  EXPECT_THAT(refused.error().message, HasSubstr("550 5.1.1 no such user"));
+  EXPECT_EQ(receiver.kept().size(), 1U);
+}
+
 // STARTTLS with a certificate of the test's own, and a password.
 TEST_F(OutsideNotifierTest, AMailWithAPasswordGoesThroughTls) {
   const std::string key = folder.path() + "/key.pem", certificate = folder.path() + "/cert.pem";
