@@ -59,6 +59,7 @@ std::vector<double> SnapshotBuilder::excess_at_zero(double force,
 
 Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   if (law_ && law_->absolute()) return {};
+  forget_datum();
   const auto find = [&](const std::string& name) {
     for (const auto& value : values)
       if (value.channel == name && !is_missing(value.value)) return std::optional(value.value);
@@ -124,10 +125,15 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
 }
 
 void SnapshotBuilder::keep_model_datum() {
+  forget_datum();
+  anchored_ = true;
+}
+
+void SnapshotBuilder::forget_datum() {
   datum_.clear();
   zero_excess_.clear();
   column_shift_ = {};
-  anchored_ = true;
+  anchored_ = false;
 }
 
 }  // namespace driftwise::compensation

@@ -59,7 +59,8 @@ class SnapshotBuilder {
   // away. A coordinate of the pose was zeroed with the datum: its q_zero and p0 are 0. Effects with
   // memory count as they stand when this is called. Without it targets stay
   // in the model's datum and are flagged. Errors: failed_precondition, INCOMPLETE_DATUM, naming the
-  // channel that is not among the values; nothing changes.
+  // channel that is not among the values; the datum before is no longer present, so targets are
+  // those without one.
   Result<void> anchor(std::span<const ChannelValue> values);
   // The present datum is the model's own: nothing to shift.
   void keep_model_datum();
@@ -113,6 +114,7 @@ class SnapshotBuilder {
   };
 
   SnapshotBuilder() = default;
+  void forget_datum();
   // p0 of anchor(), in the columns' units; pose: of the zero, with its force.
   std::array<double, kVariables> pose_at_zero(std::array<double, kVariables> pose,
                                               const std::vector<double>& channels,

@@ -188,7 +188,7 @@ TEST(SnapshotBuilder, FlagsADatumThatIsNotKnown) {
   EXPECT_EQ(target_at(builder, 0).flags, static_cast<std::uint32_t>(kUnanchoredDatum));
 }
 
-TEST(SnapshotBuilder, NamesWhatADatumLacksAndStaysAsItWas) {
+TEST(SnapshotBuilder, NamesWhatADatumLacks) {
   auto builder = builder_of(axis_model());
   observe(builder, 21);
   const auto anchored =
@@ -197,6 +197,26 @@ TEST(SnapshotBuilder, NamesWhatADatumLacksAndStaysAsItWas) {
   EXPECT_EQ(anchored.error().reason, "INCOMPLETE_DATUM");
   EXPECT_NE(anchored.error().message.find("t07_degC"), std::string::npos);
   EXPECT_EQ(target_at(builder, 0).flags, static_cast<std::uint32_t>(kUnanchoredDatum));
+}
+
+TEST(SnapshotBuilder, CountsFromNoEarlierZeroAfterADatumThatLacksAChannel) {
+  auto builder = builder_of(axis_model());
+  observe(builder, 21);
+  const auto unanchored = target_at(builder, 1);
+  const std::vector<ChannelValue> whole = {{"q1_mm", 0.0125}, {"t07_degC", 20.5}};
+  const std::vector<ChannelValue> incomplete = {{"q1_mm", 0.0135}};
+  for (const bool own : {false, true}) {
+    if (own)
+      builder.keep_model_datum();
+    else
+      ASSERT_TRUE(builder.anchor(whole));
+    EXPECT_EQ(target_at(builder, 1).flags, 0u);
+    EXPECT_EQ(builder.anchor(incomplete).error().reason, "INCOMPLETE_DATUM");
+    const auto target = target_at(builder, 1);
+    EXPECT_EQ(target.flags, static_cast<std::uint32_t>(kUnanchoredDatum)) << own;
+    EXPECT_EQ(target.q_mm[0], unanchored.q_mm[0]) << own;
+    EXPECT_EQ(target.u_nm[0], unanchored.u_nm[0]) << own;
+  }
 }
 
 TEST(SnapshotBuilder, NeverServesTheConstantOfAnotherDatum) {

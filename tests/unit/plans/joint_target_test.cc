@@ -17,6 +17,7 @@ using compensation::Refusal;
 using compensation::Variable;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 class JointTargets : public testing::Test {
  protected:
@@ -257,6 +258,22 @@ TEST_F(JointTargets, NameTheRobotOfWhatIsOutsideOrOld) {
   EXPECT_EQ(
       ask({{"x_mm", 1}, {"y_mm", 0}, {"z_mm", 0}, {"rx_arcsec", 330}, {"ry_arcsec", 0}}).refusal,
       Refusal::none);
+}
+
+TEST_F(JointTargets, SayThatADatumLackedAChannelOfARobot) {
+  const std::vector<ChannelValue> zero = {{"mn.q1_mm", 0.1}, {"mn.q2_mm", 0.1}, {"mn.q3_mm", 0.1},
+                                          {"ma.q1_mm", 0.0}, {"ma.q2_mm", 0.0}, {"ma.q3_mm", 0.0},
+                                          {"t09_degC", 20}};
+  const auto other = [](ModelId) { return false; };
+  const auto trouble = builder->anchor(zero, other);
+  ASSERT_EQ(trouble.size(), 1u);
+  EXPECT_THAT(trouble[0], HasSubstr("model 12: the zero of this datum has no t05_degC"));
+  snapshot = builder->build(CellTime{1});
+  const auto target =
+      ask({{"x_mm", 1}, {"y_mm", 0}, {"z_mm", 0}, {"rx_arcsec", 0}, {"ry_arcsec", 0}});
+  const auto flags = describe_joint_flags(snapshot, target);
+  EXPECT_THAT(flags, Contains(std::string("UNANCHORED_DATUM(mn)")));
+  EXPECT_THAT(flags, Not(Contains(std::string("UNANCHORED_DATUM(ma)"))));
 }
 
 TEST(NoPlan, IsSaid) {
