@@ -59,6 +59,13 @@ Result<std::size_t> JointBuilder::add_part(ModelId model, const std::string& rob
     return fail(ErrorCode::not_found, reasons::kNoSuchModel,
                 "there is no model " + std::to_string(model.value) +
                     ": 'driftwise model list' shows those there are");
+  // The band's check, the anchor's shift and the slopes for added terms know terms alone.
+  if (gives == Gives::motors && found->second.geometry)
+    return tl::unexpected(about_model(
+        model, {ErrorCode::failed_precondition, reasons::kNotAMotorModel,
+                "a robot's geometry answers single targets; a plan is checked and blended by a "
+                "regression's terms: name a model fitted without --method kinematic, or promote "
+                "this one by itself (driftwise model promote)"}));
   auto own = part_of_robot(found->second, robot);
   if (!own) return tl::unexpected(about_model(model, own.error()));
   auto builder = compensation::SnapshotBuilder::create(std::move(*own), model,

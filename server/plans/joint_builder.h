@@ -22,9 +22,9 @@ using ModelsById = std::map<ModelId, calibration::Model>;
 class JointBuilder {
  public:
   // models: every one that the plan names. Errors: those of SnapshotBuilder::create and
-  // part_of_robot, naming the model; failed_precondition OTHER_OUTPUTS (two models of a blend give
-  // other motor coordinates), NO_OUTPUT (a step adds what its model does not give),
-  // MODEL_TOO_LARGE.
+  // part_of_robot, naming the model; failed_precondition NOT_A_MOTOR_MODEL (also a geometry),
+  // OTHER_OUTPUTS (two models of a blend give other motor coordinates), NO_OUTPUT (a step adds what
+  // its model does not give), MODEL_TOO_LARGE.
   static Result<JointBuilder> create(ServingPlan plan, PlanId id, const ModelsById& models,
                                      const CellDescription& cell);
 

@@ -102,6 +102,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "OUTSIDE_DOMAIN", "put ma.z_mm into the band"},
         Mistake{"NoOutput", [](Case& c) { c.plan.steps[0].add.push_back(Variable::z); },
                 "NO_OUTPUT", "gives x, y of ma, no z"},
+        Mistake{"Geometry", [](Case& c) { c.models.at(kMicroNano).geometry.emplace(); },
+                "NOT_A_MOTOR_MODEL", "model 12: a robot's geometry answers single targets"},
+        Mistake{"GeometryInABlend", [](Case& c) { c.models.at(kCoarse).geometry.emplace(); },
+                "NOT_A_MOTOR_MODEL", "model 10: a robot's geometry answers single targets"},
         Mistake{"NoMotorModel", [](Case& c) { c.plan.robots[0].model = kMicroNanoTilt; },
                 "NOT_A_MOTOR_MODEL", "model 14"}),
     [](const auto& row) { return std::string(row.param.name); });
