@@ -80,16 +80,14 @@ std::string axes_text(const JointSnapshot::Robot& robot, std::uint32_t bits) {
   return out;
 }
 
-// The model whose bits a robot's answer holds.
-const Snapshot& answering(const JointSnapshot::Robot& robot, const JointTarget::Robot& answer) {
-  return answer.by == AnsweredBy::coarse || answer.by == AnsweredBy::blend ? *robot.coarse
-                                                                           : robot.fine;
+// Every model that a robot's answer holds, with its flags.
+template <class Visit>
+void visit_answering(const JointSnapshot::Robot& robot, const JointTarget::Robot& answer,
+                     const Visit& visit) {
+  if (answer.by != AnsweredBy::coarse) visit(robot.fine, answer.fine);
+  if (answer.by == AnsweredBy::coarse || answer.by == AnsweredBy::blend)
+    visit(*robot.coarse, answer.coarse);
 }
-
-struct Bits {
-  std::uint32_t flags;
-  std::uint64_t outside, stale, missing;
-};
 
 // Flags one after another, parted by commas, each once. Nothing here but the text itself grows.
 class FlagText {
@@ -116,7 +114,7 @@ class FlagText {
   void add(std::string_view name, std::string_view whom) {
     add(name, [&] { out_ += whom; });
   }
-  void add_model(std::string_view robot, const Snapshot& model, const Bits& bits) {
+  void add_model(std::string_view robot, const Snapshot& model, const ModelFlags& bits) {
     const auto add_inputs = [&](std::uint32_t flag, std::string_view name, std::uint64_t which) {
       if ((bits.flags & flag) == 0) return;
       if (which == 0) return add(name, robot);
@@ -190,10 +188,11 @@ std::string refused_names(const JointSnapshot& snapshot, const JointTarget& targ
                     old ? target.step_stale[s] | target.step_missing[s]
                         : target.step_outside[s] | snapshot.steps[s].predicts.zero_outside));
   for (std::size_t r = 0; r < target.robots; ++r)
-    add(inputs_text(snapshot.robots[r].id, answering(snapshot.robots[r], target.robot[r]),
-                    old ? target.robot[r].stale | target.robot[r].missing
-                        : target.robot[r].outside |
-                              answering(snapshot.robots[r], target.robot[r]).zero_outside));
+    visit_answering(
+        snapshot.robots[r], target.robot[r], [&](const Snapshot& model, const ModelFlags& bits) {
+          add(inputs_text(snapshot.robots[r].id, model,
+                          old ? bits.stale | bits.missing : bits.outside | model.zero_outside));
+        });
   return out;
 }
 
@@ -251,8 +250,9 @@ void append_joint_flags(std::string& out, const JointSnapshot& snapshot, const J
     if (answer.by == AnsweredBy::blend) text.add("BLENDED", robot.id);
     if (answer.by == AnsweredBy::coarse) text.add("COARSE", robot.id);
     if (answer.flags == 0) continue;
-    text.add_model(robot.id, answering(robot, answer),
-                   {answer.flags, answer.outside, answer.stale, answer.missing});
+    visit_answering(robot, answer, [&](const Snapshot& model, const ModelFlags& bits) {
+      text.add_model(robot.id, model, bits);
+    });
     if ((answer.flags & compensation::kOutsideLimits) != 0)
       text.add(reasons::kOutsideLimits.view(),
                [&] { append_axes(out, robot, answer.unreachable); });

@@ -153,12 +153,20 @@ bool take_steps(const JointSnapshot& snapshot, const JointRequest& request, Join
   return true;
 }
 
-void take_flags(const Target& from, JointTarget::Robot& into) {
+void take_flags(const Target& from, ModelFlags& model, JointTarget::Robot& into) {
+  model = {from.flags, from.outside, from.stale, from.missing};
   into.flags |= from.flags & ~std::uint32_t{compensation::kOutsideLimits};
-  into.outside = from.outside;
-  into.stale = from.stale;
-  into.missing = from.missing;
   into.unlimited = from.unlimited;
+}
+
+// The band lies where the fine model ends: beyond its domain in the band's coordinates the coarse
+// one vouches. In a temperature or a force it does not.
+void forgive_band(const JointSnapshot::Robot& robot, Target& fine) {
+  for (std::size_t i = 0; i < robot.fine.inputs.size(); ++i)
+    for (std::size_t p = 0; p < robot.band.parts; ++p)
+      if (robot.fine.inputs[i].variable == robot.band.part[p].coordinate)
+        fine.outside &= ~(std::uint64_t{1} << i);
+  if (fine.outside == 0) fine.flags &= ~std::uint32_t{compensation::kOutsideDomain};
 }
 
 // One robot's motor coordinates with their uncertainty.
@@ -189,13 +197,12 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
       return false;
     }
   if (w > 0) {
-    // The band lies where the fine model ends: beyond its domain the coarse one vouches.
-    if (w < 1) fine.flags &= ~std::uint32_t{compensation::kOutsideDomain};
-    take_flags(fine, out);
+    if (w < 1) forgive_band(robot, fine);
+    take_flags(fine, out.fine, out);
     target.valid_until = std::min(target.valid_until, fine.valid_until);
   }
   if (w < 1) {
-    take_flags(coarse, out);
+    take_flags(coarse, out.coarse, out);
     target.valid_until = std::min(target.valid_until, coarse.valid_until);
   }
 

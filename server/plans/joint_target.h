@@ -54,14 +54,19 @@ struct JointTerm {
   double value, u;  // mm and nm; of an angle arcsec and 1e-6 arcsec
 };
 
+// compensation::TargetFlag of one model, and bits of its inputs.
+struct ModelFlags {
+  std::uint32_t flags = 0;
+  std::uint64_t outside = 0, stale = 0, missing = 0;
+};
+
 struct JointTarget {
   struct Robot {
     AnsweredBy by = AnsweredBy::one;
     double weight = 1;         // of the fine model
     double difference_nm = 0;  // of the two models, largest of a motor coordinate
-    std::uint32_t flags = 0;   // compensation::TargetFlag
-    std::uint64_t outside = 0, stale = 0, missing = 0;  // bits of the inputs of the model that
-                                                        // answered, the coarse one in a blend
+    std::uint32_t flags = 0;   // compensation::TargetFlag, of both models and of the limits
+    ModelFlags fine, coarse;   // of each that answered
     std::uint32_t unlimited = 0, unreachable = 0;
     std::size_t first = 0, outputs = 0;  // where its motor coordinates stand
     Values pose{};                       // that its models were asked for

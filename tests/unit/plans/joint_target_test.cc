@@ -260,6 +260,40 @@ TEST_F(JointTargets, NameTheRobotOfWhatIsOutsideOrOld) {
       Refusal::none);
 }
 
+// Each motor by 1 um/K of t09.
+void warm(calibration::Model& model, double from_degC, double to_degC) {
+  for (auto& output : model.outputs) {
+    const auto count = output.coefficients.size();
+    output.terms.push_back(product_of({{"t09", 1}}));
+    output.coefficients.conservativeResize(count + 1);
+    output.coefficients[count] = 1e-3;
+    output.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(count + 1, count + 1));
+  }
+  model.domain.push_back({{"t09", "degC"}, from_degC, to_degC});
+}
+
+TEST_F(JointTargets, NameATemperatureOutsideTheFineModelsRangeWithinTheBand) {
+  auto models = joint_models();
+  warm(models.at(kFine), 15, 17);  // it has 20 degC
+  warm(models.at(kCoarse), 15, 22);
+  const auto flags_at = [&](double rx_arcsec) {
+    return describe_joint_flags(
+        snapshot,
+        ask({{"x_mm", 0}, {"y_mm", 0}, {"z_mm", 0}, {"rx_arcsec", rx_arcsec}, {"ry_arcsec", 0}}));
+  };
+  serve(joint_plan(), models, two_robot_cell());
+  const std::string outside = "OUTSIDE_DOMAIN(t09_degC)";
+  EXPECT_THAT(flags_at(0), Contains(outside));
+  EXPECT_THAT(flags_at(325), testing::IsSupersetOf({std::string("BLENDED(ma)"), outside}));
+  EXPECT_THAT(flags_at(400), Not(Contains(HasSubstr("OUTSIDE_DOMAIN"))));  // the coarse one alone
+  auto cell = two_robot_cell();
+  cell.serving.refuse_outside_domain = true;
+  serve(joint_plan(), models, cell);
+  EXPECT_THAT(
+      refusal_of({{"x_mm", 0}, {"y_mm", 0}, {"z_mm", 0}, {"rx_arcsec", 325}, {"ry_arcsec", 0}}),
+      HasSubstr("OUTSIDE_DOMAIN: t09_degC outside what the plan's models were fitted on"));
+}
+
 TEST_F(JointTargets, SayThatADatumLackedAChannelOfARobot) {
   const std::vector<ChannelValue> zero = {{"mn.q1_mm", 0.1}, {"mn.q2_mm", 0.1}, {"mn.q3_mm", 0.1},
                                           {"ma.q1_mm", 0.0}, {"ma.q2_mm", 0.0}, {"ma.q3_mm", 0.0},
