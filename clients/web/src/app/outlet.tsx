@@ -1,10 +1,12 @@
 // Fetches the view of the address and shows it; the focus goes to its h1.
-import type { ComponentType } from 'preact';
-import { useEffect, useRef, useState } from 'preact/hooks';
+import type { ComponentChildren, ComponentType } from 'preact';
+import { useEffect, useErrorBoundary, useRef, useState } from 'preact/hooks';
 import { Button } from '@/ui/button';
 import { Awaiting } from '@/ui/states';
 import { cell } from '@/live/state';
 import { NoteMarks } from '@/parts/note_marks';
+import { useWhile } from '@/ui/use_while';
+import { place, query, type Place } from './router';
 import type { ViewEntry } from './views';
 
 // A part that is gone belongs to an older build: the daemon was updated under the page.
@@ -16,6 +18,26 @@ function OldPage({ title }: { title: string }) {
         {cell.value ? 'Driftwise was updated, or the connection is lost; reload, nothing typed is lost.' : 'The daemon does not answer.'}
       </p>
       <Button kind="main" onPress={() => location.reload()}>Reload</Button>
+    </div>
+  );
+}
+
+// Fault of a view: the rest of the page works on. Another address shows its view; across a room, where nobody presses, the same one
+// is tried again by itself.
+const wallRetry_ms = 10_000;
+function Guarded({ title, children }: { title: string; children: ComponentChildren }) {
+  const at = useRef<Place | undefined>(undefined); // where the fault was
+  const [fault, again] = useErrorBoundary((error) => {
+    at.current = place.peek();
+    console.error(error);
+  });
+  const failed = fault !== undefined && at.current === place.value;
+  useWhile(failed && query('wall') === '1', again, wallRetry_ms);
+  if (!failed) return <>{children}</>;
+  return (
+    <div class="failed" role="alert">
+      <p><strong>The view {title} failed in the page:</strong> {String(fault)}. The run and the daemon are not affected; the bar and Stop work.</p>
+      <Button kind="main" onPress={again}>Show it again</Button>
     </div>
   );
 }
@@ -44,5 +66,5 @@ export function Outlet({ entry }: { entry: ViewEntry }) {
   }, [shown]);
   if (failed) return <OldPage title={entry.title} />;
   if (!shown) return <Awaiting what={`the view ${entry.title}`} />;
-  return <NoteMarks><shown.View /></NoteMarks>;
+  return <Guarded title={entry.title}><NoteMarks><shown.View /></NoteMarks></Guarded>;
 }

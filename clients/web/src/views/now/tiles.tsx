@@ -72,7 +72,7 @@ export function Tiles({ progress, drift, limitNm, airChangeK }: {
   return (
     <div class="tiles">
       {progress && <SpreadTile progress={progress} limitNm={limitNm} />}
-      {drift && drift.hours.length > 0 && <ZeroTile drift={drift} />}
+      {drift && drift.hours.length > 0 && drift.lengths.length > 0 && <ZeroTile drift={drift} />}
       {air && (
         <ChannelTile channel={air} label={spoken(splitChannel(air.name).symbol.replaceAll('_', '-'))}>
           {airChangeK !== undefined && Number.isFinite(airChangeK) && <span class="muted">{signed(airChangeK, 3)} °C in 1 h</span>}
