@@ -5,6 +5,7 @@
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
+#include <grpcpp/support/channel_arguments.h>
 #include <spdlog/spdlog.h>
 
 #include <charconv>
@@ -223,7 +224,9 @@ void RpcServer::shut_down(std::chrono::milliseconds grace) {
 }
 
 std::shared_ptr<grpc::Channel> RpcServer::in_process_channel() {
-  return server_->InProcessChannel({});
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMostSendBytes);  // the library's own limit is 4 MiB
+  return server_->InProcessChannel(arguments);
 }
 
 }  // namespace driftwise::rpc

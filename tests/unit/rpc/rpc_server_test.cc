@@ -5,6 +5,7 @@
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
+#include "driftwise/v1/run_service.grpc.pb.h"
 #include "server/rpc/server/connection_gate.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
@@ -96,6 +97,25 @@ TEST_F(RpcServerTest, SurvivesBytesThatAreNoMessage) {
   queue.Next(&tag, &ok);
   EXPECT_FALSE(status.ok());
   EXPECT_EQ(health_of(""), 1);
+}
+
+// The page's way: what a client over TCP is answered is answered there too.
+TEST_F(RpcServerTest, AnswersOfManyMegabytesPassTheInProcessChannel) {
+  constexpr int kPoints = 100, kChannels = 2400;
+  const RunId run = cell.add_run();
+  PointRecord point;
+  for (int i = 0; i < kChannels; ++i)
+    point.values.push_back({"channel_" + std::to_string(i) + "_mm", 1.2345});
+  cell.add_points(run, std::vector<PointRecord>(kPoints, point));
+  v1::ListPointsRequest request;
+  request.set_run_id(run.value);
+  v1::ListPointsResponse response;
+  Call call;
+  const auto status =
+      v1::RunService::Stub(server->in_process_channel()).ListPoints(&call, request, &response);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(response.points_size(), kPoints);
+  EXPECT_GT(response.ByteSizeLong(), std::size_t{5 << 20});
 }
 
 TEST_F(RpcServerTest, OffersReflectionAndAnInProcessChannel) {
