@@ -85,16 +85,34 @@ describe('what changes for others', () => {
     expect(screen.getByText(/earlier runs too/).textContent).toContain('every run that is measured later');
   });
   it('asks before a model with an open question serves', async () => {
-    render(<><Promote model={model(11)} questions={['t01 is a thermometer of the instrument']} onDone={() => {}} /><ConfirmDialog /></>);
+    useTransport(createRouterTransport(({ service }) => service(ModelService, { getModel: () => ({ promotionQuestions: ['t01 is a thermometer of the instrument'] }) })));
+    render(<><Promote model={model(11)} onDone={() => {}} /><ConfirmDialog /></>);
     fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
     expect(await screen.findByText('t01 is a thermometer of the instrument')).toBeTruthy();
     expect(screen.getByRole('button', { name: 'Promote model 11 all the same' })).toBeTruthy();
+    fireEvent.click(screen.getByText('Keep no model')); // the question belongs to the page: it would outlive the test
+  });
+  it('promotes over the questions that were read alone: one that came meanwhile is refused, and named when asked again', async () => {
+    const questions = ['t01 is a thermometer of the instrument'];
+    const promoteModel = vi.fn(() => ({}));
+    useTransport(createRouterTransport(({ service }) => service(ModelService, { promoteModel, getModel: () => ({ promotionQuestions: questions }) })));
+    render(<><Promote model={model(11)} onDone={() => {}} /><ConfirmDialog /></>);
+    fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
+    const verb = await screen.findByRole('button', { name: 'Promote model 11 all the same' });
+    questions.push('correction 3 that it rests on was taken back');
+    fireEvent.click(verb);
+    expect(await screen.findByText(/model 11 was not promoted: correction 3 that it rests on was taken back/)).toBeTruthy();
+    expect(promoteModel).not.toHaveBeenCalled();
+    fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
+    expect(await screen.findByText('correction 3 that it rests on was taken back', { selector: 'dd' })).toBeTruthy();
+    fireEvent.click(screen.getByRole('button', { name: 'Promote model 11 all the same' }));
+    await vi.waitFor(() => expect(promoteModel).toHaveBeenCalledOnce());
   });
   it('promotes a model that misses the wanted accuracy for a reason in writing only', async () => {
     const promoteModel = vi.fn(() => ({}));
-    useTransport(createRouterTransport(({ service }) => service(ModelService, { promoteModel })));
     const missed = 'its campaign wants an A90 of 5 nm and it has 9.7 nm (q1)';
-    render(<><Promote model={model(11)} questions={[missed]} forReason={[missed]} onDone={() => {}} /><ConfirmDialog /></>);
+    useTransport(createRouterTransport(({ service }) => service(ModelService, { promoteModel, getModel: () => ({ promotionQuestions: [missed], questionsForAReason: [missed] }) })));
+    render(<><Promote model={model(11)} onDone={() => {}} /><ConfirmDialog /></>);
     fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
     const verb = await screen.findByRole('button', { name: 'Promote model 11 all the same' });
     expect(verb.getAttribute('aria-disabled')).toBe('true');

@@ -1,4 +1,5 @@
 // What changes which model serves: asked once, with from and to; the stream confirms it.
+import { Code, ConnectError } from '@connectrpc/connect';
 import { computed, signal } from '@preact/signals';
 import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
 import { ExportModelRequest_Format } from '@/api/gen/driftwise/v1/model_service_pb';
@@ -15,13 +16,12 @@ import { headingText } from './figures';
 export const affected = 'every controller and run that asks for targets, from its next target on';
 const served = (id: bigint | undefined) => servedText('model', id);
 
-// forReason: those of the questions that are answered in writing, as `driftwise model promote --reason` does.
-export function Promote({ model, questions = [], forReason = [], onDone }: { model: Model; questions?: readonly string[]; forReason?: readonly string[]; onDone: () => void }) {
-  const command = useCommand(async (reason: string) => {
-    await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0, reason });
-    onDone();
-  });
-  const ask = async () => {
+// Questions of the moment when it is pressed, not of the page's load: a confirmation covers every question that the daemon has, so one
+// that came after the dialog was opened promotes nothing. Those for a reason are answered in writing, as `driftwise model promote
+// --reason` does.
+export function Promote({ model, onDone }: { model: Model; onDone: () => void }) {
+  const command = useCommand(async () => {
+    const { promotionQuestions: questions, questionsForAReason: forReason } = await modelApi().getModel({ modelId: model.id });
     const reason = signal('');
     const off = computed(() => (forReason.length > 0 && reason.value.trim() === '' ? `${forReason[0]}: write why it serves all the same` : undefined));
     const yes = await confirm({
@@ -40,11 +40,16 @@ export function Promote({ model, questions = [], forReason = [], onDone }: { mod
       verb: `Promote model ${model.id}${questions.length > 0 ? ' all the same' : ''}`,
       keep: `Keep ${served(cell.value?.servingModelId)}`,
     });
-    if (yes) await command.send(reason.value.trim());
-  };
+    if (!yes) return;
+    const unread = (await modelApi().getModel({ modelId: model.id })).promotionQuestions.filter((question) => !questions.includes(question));
+    if (unread.length > 0)
+      throw new ConnectError(`model ${model.id} was not promoted: ${unread.join('; ')}. That was not so when you were asked; promote it again`, Code.FailedPrecondition);
+    await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0, reason: reason.value.trim() });
+    onDone();
+  });
   return (
     <>
-      <CommandButton kind="main" busy={command.busy} off={model.serving ? 'It serves already' : undefined} onPress={ask}>Promote…</CommandButton>
+      <CommandButton kind="main" busy={command.busy} off={model.serving ? 'It serves already' : undefined} onPress={() => void command.send()}>Promote…</CommandButton>
       {command.failure && <Failed asked={`Promote model ${model.id}`} failure={command.failure} />}
     </>
   );

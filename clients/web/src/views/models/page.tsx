@@ -40,7 +40,7 @@ export function ModelPage({ id }: { id: bigint }) {
     <>
       <ViewTitle
         sub={model && <code>{model.formula}</code>}
-        actions={model && (<><Promote model={model} questions={asked.value!.promotionQuestions} forReason={asked.value!.questionsForAReason} onDone={asked.again} /><ExportButtons id={id} geometry={model.kinematics !== undefined} /></>)}
+        actions={model && (<><Promote model={model} onDone={asked.again} /><ExportButtons id={id} geometry={model.kinematics !== undefined} /></>)}
       >
         {`Model ${id}${model && model.name !== model.formula ? `, ${model.name}` : ''}`}
       </ViewTitle>
