@@ -9,6 +9,7 @@ import { connection, serverTimeMs } from './connection';
 import { epoch, loadedAfresh } from './epoch';
 import { askForPaint, paintFirst } from './paint';
 import { closeGate, openGate } from './ready';
+import { progress } from './state';
 import { takeBatch } from './take_batch';
 import { Tabs } from './tabs';
 
@@ -53,6 +54,8 @@ function take(batch: WatchResponse): void {
 function loadAfresh(): void {
   cursor = '';
   waiting.length = 0;
+  states.clear();
+  progress.value = undefined; // nothing says that no run is under way
   resetCellTime();
   epoch.value++;
   loadedAfresh.value = true;
