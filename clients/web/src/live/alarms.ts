@@ -30,8 +30,10 @@ export const stands = (alarm: Alarm): boolean => alarm.clearedTime === undefined
 export function useAlarms(): Asked<Alarm[]> {
   const asked = useAsked('alarms', async (signal) => (await api.watch().listAlarms({}, { signal })).alarms);
   useEvents('alarm', (alarm) => {
+    let told = false;
     asked.set((old) => {
-      if (!old.some((one) => one.id === alarm.id) && stands(alarm) && !alarm.shelvedUntilTime) {
+      if (!told && !old.some((one) => one.id === alarm.id) && stands(alarm) && !alarm.shelvedUntilTime) {
+        told = true;
         say(`${levelWords[alarm.level]}: ${alarm.message}`);
         arrived.value = alarm;
       }

@@ -10,7 +10,7 @@ export interface Asked<T> {
   failure?: Failure;
   waiting: boolean;
   again: () => void;
-  set: (change: (before: T) => T) => void; // merge what the stream says
+  set: (change: (before: T) => T) => void; // merge what the stream says; may be applied twice, so it goes by ids
 }
 
 // key: everything that the question depends on, as text; undefined asks nothing. Asks anew when the page loads afresh.
@@ -19,20 +19,29 @@ export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) 
   const [turn, setTurn] = useState(0);
   const latest = useRef(ask);
   latest.current = ask;
+  // Changes since the question was sent: its answer may be older than they are.
+  const meanwhile = useRef<((before: T) => T)[] | undefined>(undefined);
   const freshness = epoch.value;
   useEffect(() => {
+    meanwhile.current = undefined;
     if (key === undefined) {
       setState({ waiting: false });
       return;
     }
     const abort = new AbortController();
+    const changes: ((before: T) => T)[] = (meanwhile.current = []);
     setState((old) => (old.key === key ? { ...old, waiting: true } : { key, waiting: true }));
     streamBegun()
       .then(() => latest.current(abort.signal))
       .then(
-        (value) => !abort.signal.aborted && setState({ key, value, waiting: false }),
+        (value) => {
+          if (abort.signal.aborted) return;
+          meanwhile.current = undefined;
+          setState({ key, value: changes.reduce((old, change) => change(old), value), waiting: false });
+        },
         (error) => {
           if (abort.signal.aborted || wasCancelled(error)) return;
+          meanwhile.current = undefined;
           setState((old) => ({ ...old, key, failure: failureOf(error), waiting: false }));
         },
       );
@@ -40,8 +49,10 @@ export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) 
   }, [key, turn, freshness]);
   const again = useCallback(() => setTurn((n) => n + 1), []);
   const set = useCallback(
-    (change: (before: T) => T) =>
-      setState((old) => (old.value === undefined ? old : { ...old, value: change(old.value) })),
+    (change: (before: T) => T) => {
+      meanwhile.current?.push(change);
+      setState((old) => (old.value === undefined ? old : { ...old, value: change(old.value) }));
+    },
     [],
   );
   const shown = state.key === key ? state : { waiting: key !== undefined };

@@ -15,7 +15,7 @@ export function Notes({ run }: { run: Run }) {
   const [text, setText, taken] = useTyped(`note.${run.id}`);
   const add = useCommand(async () => {
     const { note } = await dataApi().createNote({ on: { runId: run.id }, text: text.trim() });
-    if (note) asked.set((old) => [...old, note]);
+    if (note) asked.set((old) => [...old.filter((one) => one.id !== note.id), note]);
     taken();
     setText('');
   });
