@@ -32,7 +32,7 @@ function Guarded({ title, children }: { title: string; children: ComponentChildr
     console.error(error);
   });
   const failed = fault !== undefined && at.current === place.value;
-  useWhile(failed && query('wall') === '1', again, wallRetry_ms);
+  useWhile(failed && query('wall') === '1', { again, waiting: false }, wallRetry_ms);
   if (!failed) return <>{children}</>;
   return (
     <div class="failed" role="alert">

@@ -1,5 +1,4 @@
 // A cell at rest: since when each length and temperature drifts by no more than its limit.
-import { useEffect } from 'preact/hooks';
 import type { RestChannel } from '@/api/gen/driftwise/v1/commissioning_service_pb';
 import { fixed, signed } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
@@ -9,6 +8,7 @@ import { Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
+import { useWhile } from '@/ui/use_while';
 import { Verdict } from '@/ui/verdict';
 import { commissioningApi } from './api';
 
@@ -17,10 +17,7 @@ const digitsOf = (one: RestChannel) => (one.changeUnit === 'nm' ? 1 : 4);
 
 export function RestPanel() {
   const asked = useAsked('rest', async (signal) => commissioningApi().getRest({}, { signal }));
-  useEffect(() => {
-    const timer = setInterval(asked.again, lookEvery_ms);
-    return () => clearInterval(timer);
-  }, [asked.again]);
+  useWhile(true, asked, lookEvery_ms);
   const begin = useCommand(async () => {
     await commissioningApi().beginRest({});
     asked.again();

@@ -28,7 +28,7 @@ export function ImprovementPage({ id }: { id: bigint }) {
     setStep(`turn ${progress.turn}: ${progress.step}`);
     asked.again();
   });
-  useWhile(asked.value?.state === Improvement_State.RUNNING, asked.again);
+  useWhile(asked.value?.state === Improvement_State.RUNNING, asked);
   const cancel = useCommand(async () => {
     await api.diagnosis().cancelImprovement({ improvementId: id });
     asked.again();

@@ -29,7 +29,7 @@ import { after, before, dataText, judgementOf, outputOf, sentenceCase } from './
 export function DiagnosisPage({ id }: { id: bigint }) {
   const asked = useAsked(`diagnosis ${id}`, async (signal) => (await api.diagnosis().getDiagnosis({ diagnosisId: id }, { signal })).diagnosis!);
   const diagnosis = asked.value;
-  useWhile(diagnosis?.state === Diagnosis_State.RUNNING, asked.again);
+  useWhile(diagnosis?.state === Diagnosis_State.RUNNING, asked);
   const whole = useAsked(diagnosis?.state === Diagnosis_State.DONE ? `rows of diagnosis ${id}` : undefined, async (signal) =>
     (await api.diagnosis().getDiagnosis({ diagnosisId: id, withRows: true }, { signal })).rows);
   const [step, setStep] = useState<{ step: string; fraction: number }>();

@@ -22,7 +22,7 @@ export default function IndentationView() {
   const list = asked.value?.indentations;
   const named = segments.value[1];
   const chosen = named && /^\d{1,18}$/.test(named) ? BigInt(named) : list?.[0]?.id;
-  useWhile(list?.some(isOpen) ?? true, asked.again, 5000);
+  useWhile(list?.some(isOpen) ?? true, asked, 5000);
   return (
     <>
       <ViewTitle sub="Two robots that touch: alignment, common zero, indents">Indentation</ViewTitle>
@@ -63,7 +63,7 @@ function State({ one }: { one: Indentation }) {
 function One({ id }: { id: bigint }) {
   const asked = useAsked(`indentation ${id}`, (signal) => indentationApi().getIndentation({ indentationId: id }, { signal }));
   const one = asked.value?.indentation;
-  useWhile(one !== undefined && isOpen(one), asked.again, 3000);
+  useWhile(one !== undefined && isOpen(one), asked, 3000);
   if (asked.failure) return <Failed asked={`Show indentation ${id}`} failure={asked.failure} again={asked.again} />;
   if (!asked.value || !one) return <Awaiting what="the indentation" />;
   const record = recordFrom(asked.value.recordJson);

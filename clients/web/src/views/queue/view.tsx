@@ -1,6 +1,5 @@
 // Queue: campaigns that wait for their turn, with the reasons; ordered, held and released here.
 import './view.css';
-import { useEffect } from 'preact/hooks';
 import { QueueEntry_State, type ListQueueResponse, type QueueEntry } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { count } from '@/format/numbers';
 import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
@@ -14,6 +13,7 @@ import { Awaiting, Empty, Failed, Warned } from '@/ui/states';
 import { Table, type Column } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
+import { useWhile } from '@/ui/use_while';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { AddEntry } from './add';
@@ -49,10 +49,7 @@ function Why({ entry }: { entry: QueueEntry }) {
 
 export default function QueueView() {
   const asked = useAsked('queue', async (signal) => queueApi().listQueue({}, { signal }));
-  useEffect(() => {
-    const timer = setInterval(asked.again, lookEvery_ms);
-    return () => clearInterval(timer);
-  }, [asked.again]);
+  useWhile(true, asked, lookEvery_ms);
   useEvents('run', () => asked.again());
   return (
     <>

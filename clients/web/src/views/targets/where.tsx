@@ -16,7 +16,7 @@ import type { Pose } from './pose';
 export function Where({ pose }: { pose: Pose }) {
   const force = pose.find((one) => one.channel === 'force_N');
   const asked = useAsked('pose', (signal) => estimate(force, signal));
-  useWhile(true, asked.again);
+  useWhile(true, asked);
   return (
     <Panel title="Where the end-effector is now">
       {asked.value?.force && <p class="muted">at the force above, {String(asked.value.force.value)} N: the cell reads none</p>}

@@ -1,0 +1,26 @@
+// An answer that takes longer than the time between two questions arrives all the same.
+import { cleanup, render, screen } from '@testing-library/preact';
+import { afterEach, expect, test, vi } from 'vitest';
+import { useAsked } from '@/ui/use_asked';
+import { useWhile } from '@/ui/use_while';
+
+vi.setConfig({ testTimeout: 30_000 }); // a busy machine
+afterEach(cleanup);
+
+test('a question under way is not asked again', async () => {
+  let answered = 0;
+  let aborted = 0;
+  const ask = async (signal: AbortSignal) => {
+    signal.addEventListener('abort', () => aborted++);
+    await new Promise((done) => setTimeout(done, 200));
+    return ++answered;
+  };
+  function Slow() {
+    const asked = useAsked('slow', ask);
+    useWhile(true, asked, 20);
+    return <p>answer {asked.value ?? 'none'}</p>;
+  }
+  render(<Slow />);
+  await screen.findByText('answer 2', {}, { timeout: 20_000 });
+  expect(aborted).toBe(0);
+});
