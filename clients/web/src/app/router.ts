@@ -11,8 +11,17 @@ const placeNow = (): Place => ({ path: location.pathname, query: new URLSearchPa
 
 export const place = signal<Place>(placeNow());
 
+// An address that was cut behind a % (in a mail) stays as it is: its view says that there is no such thing.
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
+}
+
 // segments.value[0] names the view, the rest is its own: ["runs", "17"]
-export const segments = computed(() => place.value.path.split('/').filter(Boolean).map(decodeURIComponent));
+export const segments = computed(() => place.value.path.split('/').filter(Boolean).map(decoded));
 
 export function go(to: string, how: 'push' | 'replace' = 'push'): void {
   if (to === location.pathname + location.search) return;
