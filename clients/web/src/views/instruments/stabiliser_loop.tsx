@@ -3,7 +3,7 @@ import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import type { GetStabiliserResponse, StabiliserTuning } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { withLease } from '@/app/lease';
-import { fixed } from '@/format/numbers';
+import { significant } from '@/format/numbers';
 import { secondsOf } from '@/format/time';
 import { Button, CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
@@ -17,6 +17,9 @@ const parts = ['heat band', 'cool band', 'integral', 'derivative'] as const;
 type Part = (typeof parts)[number];
 const unitOf = (part: Part) => (part.endsWith('band') ? 'K' : 's');
 const most = (part: Part) => (part.endsWith('band') ? 5000 : 9999);
+
+// Bands go from 0.001 to 5000 K: "0.5", "13.89", "1200".
+const figure = (value: number | undefined): string => significant(value, 4).replace(/\.0+$|(\.\d*[1-9])0+$/, '$1');
 
 export const valuesOf = (tuning: StabiliserTuning | undefined): Record<Part, number | undefined> => ({
   'heat band': tuning?.heatBandK, 'cool band': tuning?.coolBandK,
@@ -53,7 +56,7 @@ function Tune({ device, now, done }: { device: string; now: GetStabiliserRespons
     const yes = await confirm({
       title: `Set the control loop of ${device}?`,
       facts: [
-        ...wanted.map(({ part, value }) => [part, `${fixed(before[part])} ${unitOf(part)} → ${fixed(value)} ${unitOf(part)}`] as const),
+        ...wanted.map(({ part, value }) => [part, `${figure(before[part])} ${unitOf(part)} → ${value} ${unitOf(part)}`] as const),
         ['affects', 'the instruments on this support: a loop that is too sharp oscillates'],
       ],
       verb: 'Set it', keep: 'Keep it as it is',
@@ -63,7 +66,7 @@ function Tune({ device, now, done }: { device: string; now: GetStabiliserRespons
   return (
     <form class="stack" onSubmit={(event) => { event.preventDefault(); if (!off) void ask(); }}>
       {parts.map((part) => (
-        <Field key={part} label={part} unit={unitOf(part)} type="number" value={typed[part] ?? ''} onInput={(text) => setTyped({ ...typed, [part]: text })} wrong={wrong(part)} hint={`now ${fixed(before[part])}`} />
+        <Field key={part} label={part} unit={unitOf(part)} type="number" value={typed[part] ?? ''} onInput={(text) => setTyped({ ...typed, [part]: text })} wrong={wrong(part)} hint={`now ${figure(before[part])}`} />
       ))}
       <div class="actions">
         <CommandButton kind="main" submit busy={set.busy} off={off}>Set…</CommandButton>
@@ -86,7 +89,7 @@ export function StabiliserLoop({ device }: { device: string }) {
         {parts.map((part) => (
           <>
             <dt>{part}</dt>
-            <dd>{fixed(values[part])} {unitOf(part)}{declared[part] !== undefined && `, declared ${fixed(declared[part])}`}</dd>
+            <dd>{figure(values[part])} {unitOf(part)}{declared[part] !== undefined && `, declared ${figure(declared[part])}`}</dd>
           </>
         ))}
       </dl>

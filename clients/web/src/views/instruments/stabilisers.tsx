@@ -33,15 +33,25 @@ export interface Stabiliser {
 
 const spoken = (id: string) => id.charAt(0).toUpperCase() + id.slice(1).replaceAll('-', ' ');
 
-// Seconds since the temperature last left the band about its set-point, as far as the window shows; undefined: it is outside.
+// Seconds since which every reading is within the band about its set-point, as far as the window shows: a gap between two readings
+// ends it too. undefined: the last reading is outside, or there is none of late.
 export function settledFor(history: History, { device, now, set }: Stabiliser): number | undefined {
   const track = history.of(now.name);
-  const target = set.value.value;
+  const gapMs = Math.max(now.column.staleAfterS * 1000, 3000 * history.bucketS);
+  let sinceMs = history.toMs;
   for (let i = track.mean.length - 1; i >= 0; i--) {
-    if (!Number.isFinite(track.mean[i]) || Math.abs(track.mean[i] - target) <= settledK(device.id)) continue;
-    return i === track.mean.length - 1 ? undefined : (history.toMs - track.atMs[i]) / 1000;
+    if (!Number.isFinite(track.mean[i])) continue;
+    if (sinceMs - track.atMs[i] > gapMs || !(Math.abs(track.mean[i] - set.value.value) <= settledK(device.id))) break;
+    sinceMs = track.atMs[i];
   }
-  return track.mean.length > 0 ? (history.toMs - track.atMs[0]) / 1000 : undefined;
+  return sinceMs < history.toMs ? (history.toMs - sinceMs) / 1000 : undefined;
+}
+
+function Settled({ of: { device, now, set }, forS }: { of: Stabiliser; forS: number | undefined }) {
+  const off = now.value.value - set.value.value;
+  if (now.stale.value) return <Verdict kind="warn">not known: last read {Number.isFinite(now.ageS.value) ? `${duration(now.ageS.value)} ago` : 'never'}</Verdict>;
+  if (!(Math.abs(off) <= settledK(device.id))) return <Verdict kind="warn">{signed(off * 1000, 0)} mK off</Verdict>;
+  return <Verdict kind="good">settled{forS !== undefined && ` for ${duration(forS)}`}</Verdict>;
 }
 
 function ChangeSetPoint({ of, done }: { of: Stabiliser; done: () => void }) {
@@ -102,8 +112,6 @@ export function StabiliserPanel({ of, history: latest }: { of: Stabiliser; histo
   const { device, now, set, output } = of;
   const setPoint = set.value.value;
   const spec = useMemo(() => controlPlot(of, history), [history, setPoint]);
-  const settled = settledFor(history, of);
-  const off = now.value.value - setPoint;
   return (
     <Panel title={spoken(device.id)} class="instrument instrument-two" root={root}>
       <div class="instrument-side">
@@ -112,7 +120,7 @@ export function StabiliserPanel({ of, history: latest }: { of: Stabiliser; histo
           <dt>set-point</dt><dd>{fixed(setPoint, 3)} °C</dd>
           {output && <><dt>{splitChannel(output.name).symbol.split('_').pop()}</dt><dd><LiveValue channel={output} />{output.column.max !== undefined && ` of ${fixed(output.column.max)} ${unitSign(output.column.unit)}`}</dd></>}
         </dl>
-        {settled !== undefined ? <Verdict kind="good">settled for {duration(settled)}</Verdict> : <Verdict kind="warn">{signed(off * 1000, 0)} mK off</Verdict>}
+        <Settled of={of} forS={settledFor(history, of)} />
         {changing ? <ChangeSetPoint of={of} done={() => setChanging(false)} /> : <CommandButton label={`Set-point… of ${device.id}: change it`} onPress={() => setChanging(true)}>Set-point…</CommandButton>}
         <details onToggle={(event) => setLooking(event.currentTarget.open)}><summary>Control loop</summary>{looking && <StabiliserLoop device={device.id} />}</details>
       </div>
