@@ -1,5 +1,5 @@
 // Remarks at an instant: written here, marks in the plots of a run over that time.
-import { useState } from 'preact/hooks';
+import { useMemo, useState } from 'preact/hooks';
 import { dateClock, fromUtc, ms, timestampOf } from '@/format/time';
 import { CommandButton } from '@/ui/button';
 import { Field } from '@/ui/field';
@@ -17,8 +17,10 @@ export function Notes() {
   const [at, setAt] = useState('');
   const atMs = at.trim() === '' ? undefined : fromUtc(at.trim());
   const wrong = at.trim() !== '' && atMs === undefined ? 'UTC like 2026-11-22T18:00:00Z, or blank for now' : undefined;
+  const requestId = useMemo(() => crypto.randomUUID?.() ?? '', [text, at]); // a second press is the same remark
   const pin = useCommand(async () => {
-    await lookBackApi().addTimeNote({ text, requestId: crypto.randomUUID?.() ?? '', ...(atMs !== undefined && { noteTime: timestampOf(atMs) }) });
+    await lookBackApi().addTimeNote({ text, requestId, ...(atMs !== undefined && { noteTime: timestampOf(atMs) }) });
+    setText('');
     taken();
     asked.again();
   });

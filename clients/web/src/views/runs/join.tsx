@@ -1,5 +1,5 @@
 // Runs of one trajectory in different set-ups as one dataset: first the report, then the joined run.
-import { useState } from 'preact/hooks';
+import { useMemo, useState } from 'preact/hooks';
 import { dataApi } from '@/api/data';
 import { go } from '@/app/router';
 import { count } from '@/format/numbers';
@@ -47,8 +47,9 @@ export function JoinPanel({ runs, onClose }: { runs: readonly bigint[]; onClose:
     const answer = await dataApi().joinRuns({ ...request, dryRun: true });
     setReport({ of: asked, report: joinReport(answer.reportJson) });
   }, 'reads');
+  const requestId = useMemo(() => crypto.randomUUID?.() ?? '', [asked]); // a second press is the same run
   const join = useCommand(async () => {
-    const { run } = await dataApi().joinRuns({ ...request, requestId: crypto.randomUUID() });
+    const { run } = await dataApi().joinRuns({ ...request, requestId });
     if (run) go(`/runs/${run.id}`);
   });
   const few = runs.length < 2 ? 'Choose two runs of one trajectory at least' : undefined;
