@@ -60,6 +60,10 @@ def main():
             verified = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True)
             words = [line for line in verified.stderr.splitlines() if "driftwised@" in line]
             check(not words, "systemd accepts the unit: %s" % words)
+            with open(prefix + "/share/driftwise/systemd/serial.conf") as file:
+                names = set(re.findall(r"^DeviceAllow=char-(\S+)", file.read(), flags=re.M))
+            check(not names & {"ttyUSB", "ttyACM"} and {"188", "166"} <= names,
+                  "adapters that are plugged in later are allowed by number: %s" % sorted(names))
             for what, dropin, tenths in (("network-only", None, 15), ("serial lines", "serial.conf", 18)):
                 if dropin:
                     os.mkdir(unit + ".d")
