@@ -96,7 +96,7 @@ Awaitable<void> Composition::shut_down() {
   events.record_own("daemon.stopping", "the daemon was asked to end");
   served_again_ = true;
   looked_for_what_serves_.raise();
-  if (auto* control = engine.control()) control->shut_down();
+  engine.shut_down();
   if (auto* by_hand = right.by_hand()) by_hand->shut_down();
   wall_clock.shut_down();
   stops.shut_down();

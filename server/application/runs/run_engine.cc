@@ -55,6 +55,7 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
   run.scope.leave_waiting = [this] { return change(*run_, RunState::running, ""); };
   hooks_.look_at_cell(run.control);
   use_setup(run);
+  if (shutting_down_) run.control.shut_down();
   tasks_.spawn(execute());
 }
 

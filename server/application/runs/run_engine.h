@@ -58,6 +58,13 @@ class RunEngine {
   // The run under way opens a new datum before its next point, without homing; none: nothing.
   void remeasure_zero(std::string reason);
 
+  // The run under way ends as it stands, to go on after the next start; so does one that is begun
+  // later, by a request that was on its way.
+  void shut_down() {
+    shutting_down_ = true;
+    if (run_) run_->control.shut_down();
+  }
+
   bool busy() const { return run_ != nullptr; }
   // The run under way waits for a person and does nothing meanwhile: the axes may be moved by hand.
   bool stands() const { return run_ && stands_; }
@@ -122,6 +129,7 @@ class RunEngine {
   std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
   std::optional<RunBefore> before_;
   std::optional<RunProgress> last_progress_;
+  bool shutting_down_ = false;
   bool stands_ = false;
   bool may_start_ = true;  // false: power or the daemon was away, and nobody has said it yet
   bool computer_was_away_ = false;

@@ -224,6 +224,18 @@ TEST_F(QueueTest, AnEntryThatIsSetAsideLeavesItsRepetitionToTheNextOne) {
   EXPECT_EQ(repeats(), 1) << "one series, however often it was moved back";
 }
 
+// The campaign is about to begin when the daemon is asked to end.
+TEST_F(QueueTest, ACampaignThatIsBeginningKeepsNoDaemonAlive) {
+  ASSERT_TRUE(cell.await(cell->queue.hold(cell.ada, "all at once")));
+  add(draft("a"));
+  release();
+  cell.shut_down();
+  EXPECT_EQ(world.moves, 0);
+  auto store = *kSqlite(folder / "cell.sqlite", true);
+  const auto runs = *store->runs().runs(0, 0);
+  for (const auto& run : runs) EXPECT_FALSE(is_over(run.state));
+}
+
 TEST_F(QueueTest, APersonsStopHoldsItUntilAPersonReleasesIt) {
   const auto a = add(draft("a")), b = add(draft("b"));
   cell.until([&] { return cell.status().run && cell.status().run->run.accepted > 0; });
