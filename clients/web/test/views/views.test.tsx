@@ -105,7 +105,7 @@ describe('what changes for others', () => {
     expect(promoteModel).not.toHaveBeenCalled();
     fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
     expect(await screen.findByText('correction 3 that it rests on was taken back', { selector: 'dd' })).toBeTruthy();
-    fireEvent.click(screen.getByRole('button', { name: 'Promote model 11 all the same' }));
+    fireEvent.click(await screen.findByRole('button', { name: 'Promote model 11 all the same' }));
     await vi.waitFor(() => expect(promoteModel).toHaveBeenCalledOnce());
   });
   it('promotes a model that misses the wanted accuracy for a reason in writing only', async () => {
