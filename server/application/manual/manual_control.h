@@ -30,8 +30,9 @@ class ManualControl {
                                    const std::string& token) = 0;
   virtual Result<void> give_up_lease(const Caller& caller, const std::string& token) = 0;
   // Needs no lease, and ends whosever there is: its holder moves nothing more without a new one. A
-  // run under way is paused. Answers within 100 ms. Until every controller has reported no motion the stop is pending: what moves, and Runs::resume, fail with
-  // failed_precondition STOP_PENDING. Survives the daemon.
+  // run under way is paused. Answers within 100 ms. Until every controller has reported no motion
+  // the stop is pending: what moves, and Runs::resume, fail with failed_precondition STOP_PENDING.
+  // Survives the daemon.
   virtual Awaitable<Result<StopAnswer>> stop_all(Caller caller) = 0;
   // While a run stands both ask as Runs::resume does, and the run measures its zero again before
   // its next point.
