@@ -37,7 +37,7 @@ std::size_t keep_bytes(char* bytes, std::size_t size, std::size_t count, void* i
   return size * count;
 }
 
-// What a mail server said.
+// Answers of a mail server.
 struct MailTalk {
   struct Refused {
     std::string address, why;

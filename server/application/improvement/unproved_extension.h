@@ -1,6 +1,6 @@
 #pragma once
-// What an improvement accepted and had not proved when the daemon was killed. Before anybody else
-// uses the store.
+// Extensions that an improvement accepted and had not proved when the daemon was killed. Before
+// anybody else uses the store.
 
 #include <string>
 

@@ -48,7 +48,7 @@ class PlansService final : public Plans {
   };
   // missing_is_empty: a model that is not there is left out, for the check to name it.
   Awaitable<Result<Loaded>> load(plans::ServingPlan plan, bool missing_is_empty);
-  // What a person would be asked about each of its models before it served by itself.
+  // Questions of each of its models, as if it were to serve by itself.
   Awaitable<Result<std::vector<plans::PlanFinding>>> questions_of_models(
       const Loaded& loaded) const;
   Awaitable<Result<plans::ServingPlan>> whole_plan(const PlanRecord& record) const;

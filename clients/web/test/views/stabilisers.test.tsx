@@ -1,4 +1,4 @@
-// What is said of a stabilised support: how long it has been settled, and the figures of its control loop.
+// Sentences about a stabilised support: how long it has been settled, and the figures of its control loop.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
 import { signal } from '@preact/signals';

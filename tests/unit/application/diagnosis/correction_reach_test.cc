@@ -72,7 +72,7 @@ class CorrectionReach : public testing::Test {
         [run](Store& store) { return application::corrections_over(store, std::vector{run}); }));
   }
 
-  // What the scripted search answers with.
+  // Answer of the scripted search.
   std::vector<dx::Finding> findings = {finding_of("cyclic_error", "x", AppliesTo::correction,
                                                   {"sin(x, 93000 nm)", "cos(x, 93000 nm)"},
                                                   {-1.0002 * kCycleNm * 1e-6, 0})};

@@ -196,7 +196,7 @@ TEST_F(EndedInFreshPoints, LeavesAModelThatAPersonHasPromotedMeanwhile) {
   EXPECT_TRUE(is_in_force(d.cell));
 }
 
-// What a kill leaves on the disk: a copy of it.
+// A copy of the record as a kill leaves it on the disk.
 TEST_F(EndedInFreshPoints, ByAKillUndoesTheExtensionAtTheNextStart) {
   Folder killed;
   for (const char* file : {"cell.sqlite", "cell.sqlite-wal"})
