@@ -4,17 +4,16 @@
 
 #include <gmock/gmock.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <boost/asio/post.hpp>
-#include <fstream>
 #include <stdexcept>
 #include <thread>
 
 #include "server/application/plumbing/signal.h"
 #include "server/web/http_server.h"
 #include "server/web/security_headers.h"
+#include "tests/support/hostile.h"
 #include "tests/support/http_client.h"
 
 namespace driftwise::tests {
@@ -76,13 +75,6 @@ class SmallSite final : public web::HttpSite {
   std::atomic<int>& stops_;
   std::shared_ptr<std::vector<Watched*>> watched_;
 };
-
-std::size_t resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  std::size_t total = 0, resident = 0;
-  statm >> total >> resident;
-  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-}
 
 class Door : public testing::Test {
  protected:
