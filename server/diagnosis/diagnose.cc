@@ -73,7 +73,8 @@ class Diagnoser {
             const DiagnoseOptions& options)
       : dataset_(dataset),
         readings_(readings),
-        problem_(std::move(problem)),
+        frame_(in_coordinates(problem)),
+        problem_(frame_ ? frame_->problem : std::move(problem)),
         options_(options),
         progress_(options),
         faults_(dataset, options, problem_, result_) {}
@@ -198,8 +199,7 @@ class Diagnoser {
     return {};
   }
 
-  // Readings beside the outputs, where no value is missing, and the order of the rows: rows
-  // that learn x k.
+  // Complete readings beside the outputs, and the order of the rows: rows that learn x k.
   Eigen::MatrixXd channels() const {
     const auto outputs = problem_.output_symbols();
     const Eigen::Index rows = problem_.timeline.rows();
@@ -216,8 +216,7 @@ class Diagnoser {
     return result;
   }
 
-  // Two sides that describe the readings better than the best cause does. Averages of rows have
-  // none; nor are they looked for twice.
+  // Sides that describe the readings better than the best cause does: not of averages, nor twice.
   std::optional<TwoSides> sides_beyond(const Look& look, const Extension& extension) const {
     if (problem_.rows_per_block > 1 || problem_.outputs.front().freed_of.size() > 0) return {};
     auto sides = two_sides(problem_.timeline, extension.learned(), series_, channels());
@@ -229,8 +228,8 @@ class Diagnoser {
 
   Result<void> look_at_remainder(const Physics& physics, Extension& extension) {
     if (!progress_.further(0.4, "looking at what is left")) return cancelled();
-    Remainder remainder(problem_, kMostSearched, physics, options_.exclude_symbols,
-                        search_options(options_.seed + 1));
+    Remainder remainder(with_all_rows_fitted(problem_, frame_), kMostSearched, physics,
+                        options_.exclude_symbols, search_options(options_.seed + 1));
     Omnibus omnibus(remainder.whole(), remainder.series(), options_.exclude_symbols);
     while (true) {
       DRIFTWISE_TRY(const auto left, remainder.look(extension));
@@ -310,11 +309,11 @@ class Diagnoser {
   }
 
   void conclude(const Extension& extension) {
-    auto findings = findings_of(problem_, causes_, extension);
+    auto findings = findings_of(problem_, causes_, extension, frame_);
     result_.findings.insert(result_.findings.end(), std::make_move_iterator(findings.begin()),
                             std::make_move_iterator(findings.end()));
     result_.extended_formula = extended_formula(result_.baseline_formula, result_.findings);
-    result_.outputs = outputs_of(problem_, dataset_, extension);
+    result_.outputs = outputs_of(problem_, dataset_, extension, frame_);
     result_.rows_calibration = problem_.learn.size();
     result_.rows_held_out = problem_.judge.size();
     if (problem_.rows_per_block > 1)
@@ -361,6 +360,7 @@ class Diagnoser {
 
   const Dataset& dataset_;
   const Dataset& readings_;
+  const std::optional<CoordinateFrame> frame_;  // nothing: the outputs are searched as they are
   Problem problem_;
   const DiagnoseOptions& options_;
   Progress progress_;

@@ -129,6 +129,8 @@ Result<void> Extension::take_own_widths() {
     if ((cause.linear != LinearParameter::width_nm && !of_angle) || named.terms.size() != 1 ||
         named.terms.front().factors.size() > 1)
       continue;
+    // A coordinate shows a part of a motor's step, by its slopes.
+    if (is_motor_symbol(cause.subject) && !problem_.given_outputs.empty()) continue;
     const auto acts = std::ranges::max_element(named.share);
     const auto output = static_cast<std::size_t>(acts - named.share.begin());
     if (problem_.outputs[output].unit != (of_angle ? "arcsec" : "nm")) continue;

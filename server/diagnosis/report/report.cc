@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <ranges>
 
 #include "server/core/units.h"
@@ -10,6 +11,7 @@
 #include "server/diagnosis/catalogue/linear_parameter.h"
 #include "server/diagnosis/catalogue/parameter.h"
 #include "server/diagnosis/growth/correction_reach.h"
+#include "server/diagnosis/report/motor_figures.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 #include "server/diagnosis/rows/weighted_fit.h"
@@ -289,10 +291,15 @@ bool correction_is_uncertain(const Finding& finding) {
 }
 
 std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause>& causes,
-                                 const Extension& extension) {
+                                 const Extension& extension,
+                                 const std::optional<CoordinateFrame>& frame) {
   std::vector<Finding> findings;
-  for (std::size_t i = 0; i < extension.named().size(); ++i)
+  for (std::size_t i = 0; i < extension.named().size(); ++i) {
     findings.push_back(finding_of(problem, causes, extension, i));
+    if (frame)
+      say_of_motors(*frame, problem, causes[extension.named()[i].cause], extension, i,
+                    findings.back());
+  }
   std::ranges::stable_sort(findings, std::ranges::greater{}, &Finding::log_likelihood_ratio);
   return findings;
 }
@@ -343,52 +350,108 @@ Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
   return finding;
 }
 
-std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,
-                                      const Extension& extension) {
-  std::vector<OutputSummary> outputs;
-  const Ground ground(problem.timeline, noise_grid(problem.timeline), extension.learned(),
-                      problem.series());
-  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-    const auto& output = problem.outputs[o];
-    OutputSummary one{.output = output.channel.symbol, .unit = output.unit};
-    const Eigen::VectorXd before = residuals_as_read(problem, output, problem.base_columns);
-    const SoftBase now = extension.described(o);
-    const Eigen::VectorXd after = residuals_as_read(problem, output, now);
-    one.before.assign(before.data(), before.data() + before.size());
-    one.after.assign(after.data(), after.data() + after.size());
-    const ErrorFigures learned_before = figures_of(rows_of(before, problem.learn)),
-                       learned_after = figures_of(rows_of(after, problem.learn));
-    one.u90_calibration_before = one.u90 = learned_before.u90;
-    one.mean_calibration_before = one.mean = learned_before.mean;
-    one.a90_calibration_before = one.a90 = learned_before.a90;
-    one.u90_calibration_after = learned_after.u90;
-    one.mean_calibration_after = learned_after.mean;
-    one.a90_calibration_after = learned_after.a90;
-    one.noise_floor_u90 = noise_floor(problem, after);
-    if (problem.judge.size() >= 4) {
-      const ErrorFigures judged_before =
-                             figures_of(judged_residuals(problem, output, problem.base_columns)),
-                         judged_after = figures_of(judged_residuals(problem, output, now));
-      one.u90_validation_before = judged_before.u90;
-      one.mean_validation_before = judged_before.mean;
-      one.a90_validation_before = judged_before.a90;
-      one.u90_validation_after = judged_after.u90;
-      one.mean_validation_after = judged_after.mean;
-      one.a90_validation_after = judged_after.a90;
-    }
-    const auto at = static_cast<Eigen::Index>(o);
-    one.noise_white_sd = ground.white_sd(at);
-    one.noise_slow_sd = one.noise_white_sd * std::sqrt(ground.noise(at).slow_ratio);
-    one.noise_tau_s = ground.noise(at).slow_ratio > 0 ? ground.noise(at).tau_s : 0;
-    for (const auto& column : dataset.columns)
-      if (column.channel.symbol != output.channel.symbol)
-        one.explained_by.push_back(
-            {column.channel.symbol, marginal_share(column.values, one.before)});
-    if (!dataset.time_s.empty())
-      one.explained_by.push_back({"time", marginal_share(dataset.time_s, one.before)});
-    std::ranges::stable_sort(one.explained_by, std::ranges::greater{}, &Share::share);
-    outputs.push_back(std::move(one));
+namespace {
+
+// What the baseline and the extended simulation leave of an output: of every row, of those that
+// judge.
+struct Left {
+  Eigen::VectorXd before, after, judged_before, judged_after;
+};
+
+Left left_of(const Problem& problem, const Extension& extension, std::size_t o) {
+  const auto& output = problem.outputs[o];
+  const SoftBase now = extension.described(o);
+  Left left{residuals_as_read(problem, output, problem.base_columns),
+            residuals_as_read(problem, output, now),
+            {},
+            {}};
+  if (problem.judge.size() < 4) return left;
+  left.judged_before = judged_residuals(problem, output, problem.base_columns);
+  left.judged_after = judged_residuals(problem, output, now);
+  return left;
+}
+
+// The motors', of the coordinates'.
+std::vector<Left> of_motors(const CoordinateFrame& frame, const Problem& problem,
+                            const std::vector<Left>& coordinates) {
+  std::vector<std::size_t> all(problem.data().rows);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  std::vector<Left> result(coordinates.size());
+  const auto turn = [&](Eigen::VectorXd Left::*part, const std::vector<std::size_t>& rows) {
+    if ((coordinates.front().*part).size() == 0) return;
+    Eigen::MatrixXd own((coordinates.front().*part).size(), std::ssize(coordinates));
+    for (std::size_t c = 0; c < coordinates.size(); ++c)
+      own.col(static_cast<Eigen::Index>(c)) = coordinates[c].*part;
+    const Eigen::MatrixXd turned = frame.of_motors(own, rows);
+    for (std::size_t o = 0; o < result.size(); ++o)
+      result[o].*part = turned.col(static_cast<Eigen::Index>(o));
+  };
+  turn(&Left::before, all);
+  turn(&Left::after, all);
+  turn(&Left::judged_before, problem.judge);
+  turn(&Left::judged_after, problem.judge);
+  return result;
+}
+
+OutputSummary summary_of(const Problem& problem, const Dataset& dataset,
+                         const ProblemOutput& output, const Left& left, const Ground& ground,
+                         Eigen::Index at) {
+  OutputSummary one{.output = output.channel.symbol, .unit = output.unit};
+  one.before.assign(left.before.data(), left.before.data() + left.before.size());
+  one.after.assign(left.after.data(), left.after.data() + left.after.size());
+  const ErrorFigures learned_before = figures_of(rows_of(left.before, problem.learn)),
+                     learned_after = figures_of(rows_of(left.after, problem.learn));
+  one.u90_calibration_before = one.u90 = learned_before.u90;
+  one.mean_calibration_before = one.mean = learned_before.mean;
+  one.a90_calibration_before = one.a90 = learned_before.a90;
+  one.u90_calibration_after = learned_after.u90;
+  one.mean_calibration_after = learned_after.mean;
+  one.a90_calibration_after = learned_after.a90;
+  one.noise_floor_u90 = noise_floor(problem, left.after);
+  if (left.judged_after.size() > 0) {
+    const ErrorFigures judged_before = figures_of(left.judged_before),
+                       judged_after = figures_of(left.judged_after);
+    one.u90_validation_before = judged_before.u90;
+    one.mean_validation_before = judged_before.mean;
+    one.a90_validation_before = judged_before.a90;
+    one.u90_validation_after = judged_after.u90;
+    one.mean_validation_after = judged_after.mean;
+    one.a90_validation_after = judged_after.a90;
   }
+  one.noise_white_sd = ground.white_sd(at);
+  one.noise_slow_sd = one.noise_white_sd * std::sqrt(ground.noise(at).slow_ratio);
+  one.noise_tau_s = ground.noise(at).slow_ratio > 0 ? ground.noise(at).tau_s : 0;
+  for (const auto& column : dataset.columns)
+    if (column.channel.symbol != output.channel.symbol)
+      one.explained_by.push_back(
+          {column.channel.symbol, marginal_share(column.values, one.before)});
+  if (!dataset.time_s.empty())
+    one.explained_by.push_back({"time", marginal_share(dataset.time_s, one.before)});
+  std::ranges::stable_sort(one.explained_by, std::ranges::greater{}, &Share::share);
+  return one;
+}
+
+}  // namespace
+
+std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,
+                                      const Extension& extension,
+                                      const std::optional<CoordinateFrame>& frame) {
+  std::vector<Left> left;
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+    left.push_back(left_of(problem, extension, o));
+  if (frame) left = of_motors(*frame, problem, left);
+  SoftBase simulation = extension.learned();
+  Eigen::MatrixXd series = problem.series();
+  if (frame) {
+    simulation = problem.learned(problem.base_columns);
+    for (std::size_t o = 0; o < left.size(); ++o)
+      series.col(static_cast<Eigen::Index>(o)) = problem.learned(left[o].after);
+  }
+  const Ground ground(problem.timeline, noise_grid(problem.timeline), simulation, series);
+  std::vector<OutputSummary> outputs;
+  for (std::size_t o = 0; o < left.size(); ++o)
+    outputs.push_back(summary_of(problem, dataset, frame ? frame->motors[o] : problem.outputs[o],
+                                 left[o], ground, static_cast<Eigen::Index>(o)));
   return outputs;
 }
 

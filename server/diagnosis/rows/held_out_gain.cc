@@ -66,8 +66,11 @@ Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& ou
 
 HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
                  const SoftBase& after) {
-  const Eigen::VectorXd judged_before = judged_residuals(problem, output, before);
-  const Eigen::VectorXd judged = judged_residuals(problem, output, after);
+  return held_out(judged_residuals(problem, output, before),
+                  judged_residuals(problem, output, after));
+}
+
+HeldOut held_out(const Eigen::VectorXd& judged_before, const Eigen::VectorXd& judged) {
   HeldOut result{figures_of(judged_before), figures_of(judged), {}, {}};
   // Jackknife over contiguous blocks: autocorrelation stays inside them.
   const auto n = static_cast<std::size_t>(judged.size());

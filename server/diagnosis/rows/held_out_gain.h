@@ -23,6 +23,8 @@ struct HeldOut {
 // its own rows. before, after: every row of the dataset, the columns of the two simulations.
 HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
                  const SoftBase& after);
+// The same of what two simulations leave of the judging rows.
+HeldOut held_out(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
 
 // Root mean squares of the judging rows, mean included, of two simulations.
 struct HeldOutRatio {

@@ -289,6 +289,7 @@ bool is_coordinate(const Problem& problem, const Channel& channel) {
 }
 
 std::vector<std::string> Problem::output_symbols() const {
+  if (!given_outputs.empty()) return given_outputs;
   std::vector<std::string> symbols;
   for (const auto& output : outputs) symbols.push_back(output.channel.symbol);
   return symbols;

@@ -56,6 +56,8 @@ struct Problem {
   Timeline timeline;                  // of the blocks
   Eigen::VectorXd row_sd;  // of every dataset row's noise over the others'; empty: all alike
   std::vector<ProblemOutput> outputs;
+  // In the frame of the coordinates: the motors (search/coordinate_frame.h). Empty: the outputs.
+  std::vector<std::string> given_outputs{};
   std::vector<effects::Term> base;          // the constant and further datums first
   Eigen::MatrixXd base_columns;             // every row of the dataset, raw, at the predicted pose
   Hidden hidden;                            // what coarse thermometers of the baseline hide
