@@ -386,21 +386,6 @@ std::vector<std::string> conditions_of(const Dataset& dataset,
   return conditions;
 }
 
-// Rows that neither learn nor judge, for they lack a value of the baseline or of an output. Empty:
-// none.
-std::string incomplete_rows(const Dataset& dataset, const Problem& problem) {
-  std::vector<char> used(dataset.rows, 0);
-  for (const auto* rows : {&problem.learn, &problem.judge})
-    for (const std::size_t row : *rows) used[row] = 1;
-  std::size_t left_out = 0;
-  for (std::size_t row = 0; row < dataset.rows; ++row)
-    left_out += used[row] == 0 && !dataset.is_excluded(row) ? 1 : 0;
-  if (left_out == 0) return "";
-  return std::to_string(left_out) + " of " + std::to_string(dataset.rows) +
-         (left_out == 1 ? " rows is left out: it lacks" : " rows are left out: they lack") +
-         " a value of an output or of a term of the baseline";
-}
-
 bool several_datums(const Dataset& dataset) {
   return std::ranges::adjacent_find(dataset.datum, std::not_equal_to{}) != dataset.datum.end();
 }
@@ -473,8 +458,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
       problem.outputs[o].measured -=
           summary_unit(dataset.find(problem.outputs[o].channel.symbol)->channel.unit).factor *
           options.simulated.col(static_cast<Eigen::Index>(o));
-  if (auto said = incomplete_rows(mended, problem); !said.empty())
-    whole.sentences.push_back(std::move(said));
+  for (auto& said : rows_left_out(problem)) whole.sentences.push_back(std::move(said));
   for (auto& said : coarse_notes(problem.prepared.coarse()))
     whole.sentences.push_back(std::move(said));
   auto found = Diagnoser(dataset, mended, problem, asked).run(sensors);

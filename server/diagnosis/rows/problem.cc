@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <random>
+#include <set>
 
 #include "server/calibration/design/predict.h"
 #include "server/calibration/linear/undetermined.h"
@@ -110,14 +111,23 @@ std::vector<Fold> folds_of(const Problem& problem) {
   return folds;
 }
 
+// Takes the rows of datums without a calibration row out. Data of validation rows only have none
+// that knows better.
+void take_unknown_datums(const Dataset& dataset, std::vector<std::size_t>& rows) {
+  std::set<std::int64_t> known;
+  for (const std::size_t row : rows)
+    if (!dataset.datum.empty() && dataset.set_of(row) == PointSet::calibration)
+      known.insert(dataset.datum[row]);
+  if (!known.empty())
+    std::erase_if(rows, [&](std::size_t row) { return !known.contains(dataset.datum[row]); });
+}
+
 Result<void> divide_rows(const Dataset& dataset, Judging judging, Problem& problem) {
   std::vector<std::size_t> complete;
   for (std::size_t row = 0; row < dataset.rows; ++row) {
-    const auto at = static_cast<Eigen::Index>(row);
-    bool whole = problem.base_columns.row(at).allFinite() && !dataset.is_excluded(row);
-    for (const auto& output : problem.outputs) whole = whole && std::isfinite(output.measured[at]);
-    if (whole) complete.push_back(row);
+    if (!dataset.is_excluded(row) && is_complete(problem, row)) complete.push_back(row);
   }
+  take_unknown_datums(dataset, complete);
   std::size_t validation = 0;
   for (const std::size_t row : complete)
     validation += dataset.set_of(row) == PointSet::validation ? 1 : 0;
@@ -286,6 +296,14 @@ Result<void> lay_on_prediction(Problem& problem) {
 bool is_coordinate(const Problem& problem, const Channel& channel) {
   return is_pose_symbol(channel.symbol) &&
          (channel.unit == "mm" || reads(problem.base, channel.symbol));
+}
+
+bool is_complete(const Problem& problem, std::size_t row) {
+  const auto at = static_cast<Eigen::Index>(row);
+  return problem.base_columns.row(at).allFinite() &&
+         std::ranges::all_of(problem.outputs, [at](const ProblemOutput& output) {
+           return std::isfinite(output.measured[at]);
+         });
 }
 
 std::vector<std::string> Problem::output_symbols() const {

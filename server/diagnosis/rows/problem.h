@@ -91,9 +91,13 @@ enum class Judging {
 // it does not read is an instrument's reading.
 bool is_coordinate(const Problem& problem, const Channel& channel);
 
+// Has the row every output, and a value of every term of the baseline?
+bool is_complete(const Problem& problem, std::size_t row);
+
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& columns, const std::vector<std::size_t>& rows);
 
-// Rows marked validation are held out; where there are none, those that `judging` says.
+// Rows marked validation are held out, but those of a datum without calibration rows: nothing knows
+// their constant. Where none is left, those that `judging` says.
 // longest: blocks that the search works with at most. The problem is in the catalogue's units
 // (catalogue_units.h), whatever the dataset is in.
 // Errors: invalid_argument UNKNOWN_CHANNEL, NO_OUTPUT, TOO_FEW_ROWS, TIME_RUNS_BACK, UNTIMED,

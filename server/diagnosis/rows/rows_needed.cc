@@ -77,6 +77,34 @@ Result<void> check_rows_needed(const Problem& problem) {
                   (why.empty() ? "measure more, or leave terms out of the baseline" : why));
 }
 
+std::vector<std::string> rows_left_out(const Problem& problem) {
+  const Dataset& data = problem.data();
+  std::vector<char> used(data.rows, 0);
+  for (const auto* rows : {&problem.learn, &problem.judge})
+    for (const std::size_t row : *rows) used[row] = 1;
+  std::set<std::int64_t> known;
+  if (!data.datum.empty())
+    for (const std::size_t row : problem.learn) known.insert(data.datum[row]);
+  std::size_t incomplete = 0, unknown = 0;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    if (used[row] != 0 || data.is_excluded(row)) continue;
+    const bool has_no_datum =
+        !data.datum.empty() && is_complete(problem, row) && !known.contains(data.datum[row]);
+    ++(has_no_datum ? unknown : incomplete);
+  }
+  std::vector<std::string> said;
+  if (incomplete > 0)
+    said.push_back(
+        std::to_string(incomplete) + " of " + std::to_string(data.rows) +
+        (incomplete == 1 ? " rows is left out: it lacks" : " rows are left out: they lack") +
+        " a value of an output or of a term of the baseline");
+  if (unknown > 0)
+    said.push_back(std::to_string(unknown) +
+                   (unknown == 1 ? " validation row" : " validation rows") +
+                   " left out: their datum has no calibration rows to take its constant from");
+  return said;
+}
+
 LivingBaseline without_dead_sensors(const calibration::Candidates& baseline, const Dataset& dataset,
                                     const std::vector<FaultySensor>& sensors) {
   LivingBaseline result{.baseline = baseline, .dead = {}};

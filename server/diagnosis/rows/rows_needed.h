@@ -21,6 +21,10 @@ inline constexpr std::size_t kRowsBeyondBase = 10;
 // validation, without a value of which channel; and what to do.
 Result<void> check_rows_needed(const Problem& problem);
 
+// Rows that neither learn nor judge: they lack a value of the baseline or of an output, or are of a
+// datum that no row teaches. A sentence for each of the two; none where there are none.
+std::vector<std::string> rows_left_out(const Problem& problem);
+
 struct LivingBaseline {
   calibration::Candidates baseline;
   std::vector<std::string> dead;  // symbols that nothing may read

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
-#include "server/diagnosis/diagnose.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -72,6 +73,43 @@ TEST(DiagnosisOverTwoDatums, DoesNotReadTheNoiseOutOfExactPlaces) {
   EXPECT_EQ(found->verdict, Verdict::adequate);
   for (const auto& finding : found->findings) ADD_FAILURE() << finding.sentence;
   EXPECT_GT(found->outputs.front().a90_calibration_after, 7) << "nm; noise: 8.2";
+}
+
+// A run that was zeroed afresh and only judges: its zero, 5 um away, is no error of the simulation.
+// `known`: validation rows of the first datum are left.
+Dataset validated_in_another_datum(bool known) {
+  std::mt19937_64 random(13);
+  std::normal_distribution<double> normal;
+  Dataset data;
+  for (const char* name : {"q1_mm", "x_mm"}) data.columns.push_back({*parse_channel(name), {}});
+  for (int i = 0; i < 400; ++i) {
+    const bool second = i >= 280;
+    const double place = -3 + 0.25 * ((i * 7) % 25);
+    data.time_s.push_back(20.0 * i);
+    data.datum.push_back(second ? 2 : 1);
+    data.set.push_back(second || (known && i % 7 == 3) ? PointSet::validation
+                                                       : PointSet::calibration);
+    data.columns[0].values.push_back(place + (second ? -5e-3 : 0) + 8e-6 * normal(random));
+    data.columns[1].values.push_back(place);
+    ++data.rows;
+  }
+  return data;
+}
+
+TEST(DiagnosisOverTwoDatums, JudgesByNoRowOfADatumThatNoRowTeaches) {
+  for (const bool known : {true, false}) {
+    const auto found = diagnosed(validated_in_another_datum(known), "q1 ~ x");
+    EXPECT_EQ(found.verdict, Verdict::adequate) << known;
+    EXPECT_EQ(found.rows_held_out, known ? 40U : 280U);
+    EXPECT_EQ(found.judged_on, known ? JudgedRows::validation : JudgedRows::blocks);
+    // 1.645 x 8 nm; of 40 rows it is known to a fifth.
+    EXPECT_NEAR(found.outputs.front().a90_validation_before.value_or(0), 13.2, 4) << known;
+    EXPECT_TRUE(std::ranges::count(found.warnings,
+                                   "120 validation rows left out: their datum has no calibration "
+                                   "rows to take its constant from"))
+        << known;
+    EXPECT_EQ(names_found(found), std::vector<std::string>{});
+  }
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ Axis moved(std::mt19937_64& random) {
 }
 
 // Five nm of noise, a path of temperature and what is hidden.
-Diagnosis diagnosed(const Axis& axis, std::mt19937_64& random,
-                    const std::function<double(std::size_t)>& hidden_nm) {
+Diagnosis diagnosed_axis(const Axis& axis, std::mt19937_64& random,
+                         const std::function<double(std::size_t)>& hidden_nm) {
   std::normal_distribution<double> noise(0, 5);
   std::vector<double> q;
   for (std::size_t i = 0; i < kRows; ++i)
@@ -70,7 +70,7 @@ std::vector<std::string> names_in(const Diagnosis& found) {
 TEST(DiagnosisNames, AnInstrumentWhoseScaleDriftsIsNotTheRobotsExpansion) {
   std::mt19937_64 random(7);
   const Axis axis = moved(random);
-  const auto found = diagnosed(axis, random, [&](std::size_t i) {
+  const auto found = diagnosed_axis(axis, random, [&](std::size_t i) {
     return 0.8 * axis.x_mm[i] * axis.time_s[i] / 3600;  // 0.8 ppm/h
   });
   ASSERT_THAT(names_in(found), testing::ElementsAre("instrument_drift"));
@@ -94,7 +94,7 @@ TEST(DiagnosisNames, TwoTimeConstantsAreOneCause) {
                  std::exp(-(axis.time_s[at] - axis.time_s[i] + axis.dwell_s[i]) / tau_s);
     return left_mm;
   };
-  const auto found = diagnosed(
+  const auto found = diagnosed_axis(
       axis, random, [&](std::size_t i) { return 25 * relaxed(i, 8) + 12 * relaxed(i, 150); });
   ASSERT_THAT(names_in(found), testing::ElementsAre("creep"));
   const auto& parameters = found.findings.front().parameters;
@@ -107,7 +107,7 @@ TEST(DiagnosisNames, TwoTimeConstantsAreOneCause) {
 TEST(DiagnosisNames, AFewPercentOfWrongRowsAreWrongRows) {
   std::mt19937_64 random(9);
   const Axis axis = moved(random);
-  const auto found = diagnosed(axis, random, [](std::size_t i) {
+  const auto found = diagnosed_axis(axis, random, [](std::size_t i) {
     return i % 29 == 11 ? 158.0 : 0.0;  // a missed half fringe, 3.5 %
   });
   ASSERT_THAT(names_in(found), testing::ElementsAre("outliers"));
@@ -120,7 +120,7 @@ TEST(DiagnosisNames, ABumpAtOnePlaceIsNoWrongRow) {
   Axis axis = moved(random);
   for (std::size_t i = 0; i < kRows; ++i)  // 35 places, none of them visited twice in a row
     axis.x_mm[i] = 0.2 * static_cast<double>((i * 12) % 35) - 3.4;
-  const auto found = diagnosed(axis, random, [&](std::size_t i) {
+  const auto found = diagnosed_axis(axis, random, [&](std::size_t i) {
     return std::abs(axis.x_mm[i] - 1.4) < 0.05 ? 90.0 : 0.0;
   });
   EXPECT_THAT(names_in(found), testing::Not(Contains("outliers")));
