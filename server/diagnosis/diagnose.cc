@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <optional>
 
 #include "server/calibration/datum_zeros.h"
 #include "server/core/data/unusable_values.h"
@@ -425,15 +426,23 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
       if (found) name_as_in_file(*with, *found);
       return found;
     }
-  if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
+  bool is_stopped = false;
+  const auto tick = [&] {
+    is_stopped = is_stopped || (options.progress && !options.progress(0, "reading the rows"));
+    return !is_stopped;
+  };
+  if (!tick()) return cancelled();
   auto whole =
       without_gaps(in_catalogue_units(dataset), conditions_of(dataset, options.baseline.outputs));
   Dataset mended = std::move(whole.data);
+  const auto laid = [&](const Dataset& data) -> std::optional<Problem> {
+    if (!tick()) return std::nullopt;
+    auto problem = lay_out(data, options.baseline, kMostSearched);
+    return problem ? std::optional(std::move(*problem)) : std::nullopt;
+  };
   auto sensors = mend_sensors(mended, options.baseline.outputs.size(), options.alpha,
-                              [&](const Dataset& data, const FreeLevel& level) {
-                                const auto laid = lay_out(data, options.baseline, kMostSearched);
-                                return laid ? two_ln_likelihood(*laid, level) : -INFINITY;
-                              });
+                              likelihood_of(laid), tick);
+  if (is_stopped) return cancelled();
   DiagnoseOptions asked = options;
   auto living = without_dead_sensors(options.baseline, dataset, sensors);
   asked.baseline = std::move(living.baseline);

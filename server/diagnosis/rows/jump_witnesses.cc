@@ -113,7 +113,8 @@ std::optional<FaultySensor> JumpWitnesses::look_at(std::size_t sensor, std::size
   std::vector<std::size_t> together;
   for (std::size_t other = 0; other < sensors_.size(); ++other)
     if (sensors_[other].jumps_at(row)) together.push_back(other);
-  const double as_read = two_ln_likelihood_(dataset_, {});
+  if (!as_read_) as_read_ = two_ln_likelihood_(dataset_, {});
+  const double as_read = *as_read_;
   if (sensors_[sensor].jumps_at(row))
     for (const std::size_t other : together)
       if (other != sensor && takes_the_place_of(sensor, other, row))
@@ -147,6 +148,7 @@ std::optional<FaultySensor> JumpWitnesses::exchange(std::size_t sensor, std::siz
     swap();
     return {};
   }
+  as_read_.reset();
   std::erase(sensors_[other].jumps, row);
   return FaultySensor{SensorFault::swapped,
                       sensors_[sensor].column->channel.symbol,
@@ -168,6 +170,13 @@ std::optional<FaultySensor> JumpWitnesses::jump(std::size_t sensor, std::size_t 
   const auto without = [&](double one) {
     for (std::size_t i = row; i < values.size(); ++i) values[i] = readings[i] - one;
   };
+  const bool stands = stands_alone(sensors_, sensor, row);
+  const bool others_change = !stands && sensors_.size() > 1;
+  // A free level can do all that a mended reading does, but for what smoothing makes of the jump.
+  // It starts from a baseline that the jump has spoilt, so that of a jump which the readings show
+  // it is not asked.
+  const double free = two_ln_likelihood_(dataset_, {row, 0, true}) - as_read;
+  if (!by_readings_alone && (free < kEvidence || others_change)) return {};  // or the room moved
   double gain = -INFINITY;
   for (const double one : {size, own_change(readings, row), own_change(beyond, row)}) {
     if (by_readings_alone && gain > -INFINITY) break;
@@ -176,15 +185,8 @@ std::optional<FaultySensor> JumpWitnesses::jump(std::size_t sensor, std::size_t 
     if (with_it > gain) gain = with_it, size = one;
   }
   values = readings;
-  const double free = two_ln_likelihood_(dataset_, {row, 0, true}) - as_read;
-  // A free level can do all that a mended reading does, but for what smoothing makes of the jump.
-  // It starts from a baseline that the jump has spoilt, so that of a jump which the readings show
-  // it is not asked.
-  const bool mended = (by_readings_alone ? gain : std::min(gain, free)) >= kEvidence;
+  const bool mended = gain >= kEvidence;
   if (!mended && !by_readings_alone) return {};
-  const bool stands = stands_alone(sensors_, sensor, row);
-  const bool others_change = !stands && sensors_.size() > 1;
-  if (!by_readings_alone && others_change) return {};  // the room moved several of them
   const double resolution = resolution_of(readings);
   const double at_row =
       std::max(chance_at_row(readings, row, resolution), chance_at_row(beyond, row, resolution));
@@ -212,15 +214,17 @@ std::optional<FaultySensor> JumpWitnesses::jump(std::size_t sensor, std::size_t 
   };
   const double slowly = best_with_lag(dataset_, values, two_ln_likelihood_) - as_read;
   without(size);
-  const double mended_slowly = best_with_lag(dataset_, values, two_ln_likelihood_) - as_read;
-  // A lag of hours takes any jump out, and then has as much with the mended readings.
-  const double over_mended = by_readings_alone ? mended_slowly + kOverLag : -INFINITY;
-  if (slowly >= kEvidence && slowly >= std::max({gain - kOverLag, free - kOverLag, over_mended}))
-    return is_real();
+  if (slowly >= std::max({kEvidence, gain - kOverLag, free - kOverLag})) {
+    if (!by_readings_alone) return is_real();
+    // A lag of hours takes any jump out, and then has as much with the mended readings.
+    const double mended_slowly = best_with_lag(dataset_, values, two_ln_likelihood_) - as_read;
+    if (slowly >= mended_slowly + kOverLag) return is_real();
+  }
   const bool followed = gain < -lost_by_chance(outputs_) &&
                         outputs_follow(dataset_, values, size, row, as_read, two_ln_likelihood_);
   if (!mended) values = readings;
   if (followed && !outputs_step_too(dataset_, outputs_, row, two_ln_likelihood_)) return is_real();
+  if (mended) as_read_.reset();
   return fault;
 }
 

@@ -43,6 +43,7 @@ class JumpWitnesses {
   std::size_t outputs_;
   double alpha_;
   const OutputsLikelihood& two_ln_likelihood_;
+  std::optional<double> as_read_;  // 2 ln L; none: readings were mended since
 };
 
 }  // namespace driftwise::diagnosis

@@ -2,6 +2,7 @@
 // What is wrong with the data themselves, found before anything becomes physics.
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "server/core/data/dataset.h"
@@ -35,6 +36,11 @@ struct FreeLevel {
 // 2 ln L of the outputs by the baseline with these readings, up to a constant.
 using OutputsLikelihood = std::function<double(const Dataset& dataset, const FreeLevel& level)>;
 
+// two_ln_likelihood() of what `lay_out` makes of the readings: laid out once for as long as they
+// stay the same, whatever the level. Nothing laid out: -INFINITY.
+OutputsLikelihood likelihood_of(
+    std::function<std::optional<Problem>(const Dataset& dataset)> lay_out);
+
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
 // frozen: the same number to the last digit for a tenth of the rows or more, and ten times longer
 //   than anywhere else; spiked: one to ten values off the neighbours on both sides, which agree;
@@ -57,8 +63,11 @@ using OutputsLikelihood = std::function<double(const Dataset& dataset, const Fre
 // with the degrees of freedom that the sensor's other changes have (heavy tails: a room with
 // doors); times what the outputs say, exp(-gain / 2) of 2 ln L: a ratio of likelihoods has the
 // mean 1 where the readings are right. Swapped: by the outputs alone.
+// The largest jumps of a thermometer are looked at, sixteen of them at most, and as many suspects.
+// tick: called between thermometers and rows; false ends it, and what was found is of no use.
 std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, double alpha,
-                                       const OutputsLikelihood& two_ln_likelihood);
+                                       const OutputsLikelihood& two_ln_likelihood,
+                                       const std::function<bool()>& tick = {});
 
 // Of the outputs by the baseline, least squares over the rows that learn, with noise of first order
 // (correlated from row to row and between the outputs), up to a constant.

@@ -2,6 +2,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "server/core/data/reading.h"
@@ -284,14 +285,40 @@ double two_ln_likelihood(const Problem& problem, const FreeLevel& level) {
   return two_ln - static_cast<double>(n) * pivots.cwiseMax(kRounding).array().log().sum();
 }
 
+OutputsLikelihood likelihood_of(
+    std::function<std::optional<Problem>(const Dataset& dataset)> lay_out) {
+  struct Laid {
+    std::vector<std::vector<double>> readings;
+    std::optional<Problem> problem;
+  };
+  const auto same = [](const std::vector<double>& one, const std::vector<double>& other) {
+    return std::ranges::equal(
+        one, other, [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
+  };
+  return [lay_out = std::move(lay_out), same, laid = std::make_shared<Laid>()](
+             const Dataset& dataset, const FreeLevel& level) {
+    const bool is_known =
+        std::ranges::equal(laid->readings, dataset.columns, same, {}, &DatasetColumn::values);
+    if (!is_known) {
+      laid->problem = lay_out(dataset);
+      laid->readings.clear();
+      for (const auto& column : dataset.columns) laid->readings.push_back(column.values);
+    }
+    return laid->problem ? two_ln_likelihood(*laid->problem, level) : -INFINITY;
+  };
+}
+
 std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, double alpha,
-                                       const OutputsLikelihood& two_ln_likelihood) {
+                                       const OutputsLikelihood& two_ln_likelihood,
+                                       const std::function<bool()>& tick) {
   std::vector<FaultySensor> found;
   if (dataset.rows < kFewestRows) return found;
+  const auto is_stopped = [&tick] { return tick && !tick(); };
   std::vector<Sensor> sensors;
   const auto pauses = after_a_pause(dataset);
   for (auto& column : dataset.columns) {
     if (!is_structure_temperature(column.channel)) continue;
+    if (is_stopped()) return found;
     const auto frozen = frozen_rows(dataset, column);
     double p_spiked = 1, p_frozen = 1;
     const auto spiked = spiked_rows(dataset, column, pauses, p_spiked);
@@ -304,19 +331,22 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset, std::size_t outputs, do
     if (!spiked.empty())
       found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0, true, p_spiked});
     const double usual = std::max(usual_change(column.values), resolution_of(column.values));
-    sensors.push_back({&column, usual, {}, {}});
+    sensors.push_back({&column, usual, {}, {}, own_changes(column.values)});
   }
   std::vector<std::vector<double>> beyond;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
+    if (is_stopped()) return found;
     beyond.push_back(beyond_the_others(sensors, s));
     find_jumps(sensors[s], beyond[s], usual_beside_others(sensors, s, beyond[s]), dataset);
   }
   JumpWitnesses witnesses(dataset, sensors, beyond, outputs, alpha, two_ln_likelihood);
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    std::vector<std::size_t> rows = sensors[s].jumps;
+    std::vector<std::size_t> rows = largest_changes(sensors[s].jumps, beyond[s]);
     rows.insert(rows.end(), sensors[s].suspects.begin(), sensors[s].suspects.end());
-    for (const std::size_t row : rows)
+    for (const std::size_t row : rows) {
+      if (is_stopped()) return found;
       if (auto fault = witnesses.look_at(s, row)) found.push_back(std::move(*fault));
+    }
   }
   for (auto& one : found) {
     one.p = std::min(1.0, one.p * static_cast<double>(sensors.size()));

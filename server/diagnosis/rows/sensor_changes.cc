@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kNeighbours = 4;     // rows to either side that tell the trend
 constexpr double kRamp = 0.25;             // of a jump, within a few rows after it
-constexpr std::size_t kMostSuspects = 16;  // per sensor, the largest
+constexpr std::size_t kMostLookedAt = 16;  // per sensor, jumps and suspects each, the largest
 constexpr std::size_t kRowsPerSensor = 10;
 constexpr double kRounded = 0.41;   // standard deviation of the change of two rounded values, steps
 constexpr std::size_t kAlike = 30;  // rows that tell what is usual beside such a change
@@ -84,6 +84,21 @@ double own_change(const std::vector<double>& v, std::size_t row) {
   return v[row] - v[row - 1] - trend_about(v, row);
 }
 
+std::vector<double> own_changes(const std::vector<double>& v) {
+  std::vector<double> result(v.size(), 0);
+  for (std::size_t i = 1; i < v.size(); ++i) result[i] = own_change(v, i);
+  return result;
+}
+
+std::vector<std::size_t> largest_changes(std::vector<std::size_t> rows,
+                                         const std::vector<double>& beyond) {
+  std::ranges::stable_sort(rows, std::ranges::greater{},
+                           [&](std::size_t i) { return std::abs(own_change(beyond, i)); });
+  rows.resize(std::min(rows.size(), kMostLookedAt));
+  std::ranges::sort(rows);
+  return rows;
+}
+
 double level_change(const std::vector<double>& v, std::size_t row) {
   std::vector<double> before, after;
   for (std::size_t k = 0; k < kWindow; ++k) {
@@ -141,13 +156,15 @@ std::vector<double> usual_beside_others(const std::vector<Sensor>& sensors, std:
     std::size_t at;
     double others, own;  // others: root mean square of their changes over the usual ones
   };
+  const auto change_of = [](const Sensor& one, std::size_t i) {
+    return one.changes.empty() ? own_change(one.column->values, i) : one.changes[i];
+  };
   std::vector<Row> rows;
   for (std::size_t i = 1; i < beyond.size(); ++i) {
     double sum = 0, count = 0;
     for (std::size_t other = 0; other < sensors.size(); ++other)
       if (other != sensor && sensors[other].usual > 0)
-        sum += std::pow(own_change(sensors[other].column->values, i) / sensors[other].usual, 2),
-            ++count;
+        sum += std::pow(change_of(sensors[other], i) / sensors[other].usual, 2), ++count;
     const double own = own_change(beyond, i);
     if (count > 0 && std::isfinite(sum) && std::isfinite(own))
       rows.push_back({i, std::sqrt(sum / count), own});
@@ -189,10 +206,7 @@ void find_jumps(Sensor& sensor, const std::vector<double>& beyond,
     else if (stands_out(i, kMoves * std::max(usual, kRounded * resolution)))
       sensor.suspects.push_back(i);
   }
-  std::ranges::stable_sort(sensor.suspects, std::ranges::greater{},
-                           [&](std::size_t i) { return std::abs(own_change(beyond, i)); });
-  sensor.suspects.resize(std::min(sensor.suspects.size(), kMostSuspects));
-  std::ranges::sort(sensor.suspects);
+  sensor.suspects = largest_changes(std::move(sensor.suspects), beyond);
 }
 
 std::vector<char> after_a_pause(const Dataset& dataset) {

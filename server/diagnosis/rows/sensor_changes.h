@@ -22,6 +22,7 @@ struct Sensor {
   // Rows, ascending. jumps: so large that the readings alone show one. suspects: all others that
   // stand out, named on the outputs' evidence only.
   std::vector<std::size_t> jumps, suspects;
+  std::vector<double> changes{};  // own_change() of every row; empty: worked out when asked for
   bool jumps_at(std::size_t row) const { return std::ranges::find(jumps, row) != jumps.end(); }
 };
 
@@ -36,6 +37,13 @@ double resolution_of(const std::vector<double>& v);
 // Change from the row before, K, beyond the usual change of the rows about it: a room that warms
 // takes all rows along.
 double own_change(const std::vector<double>& v, std::size_t row);
+
+// Of every row; 0 of the first.
+std::vector<double> own_changes(const std::vector<double>& v);
+
+// The rows, ascending, with the largest changes: as many as are worth a look at the outputs.
+std::vector<std::size_t> largest_changes(std::vector<std::size_t> rows,
+                                         const std::vector<double>& beyond);
 
 // Level after a row less what the level before it and the trend predict, K: medians of kWindow
 // rows.
