@@ -434,7 +434,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   if (!tick()) return cancelled();
   auto whole =
       without_gaps(in_catalogue_units(dataset), conditions_of(dataset, options.baseline.outputs));
-  Dataset mended = std::move(whole.data);
+  Dataset& mended = whole.data;
   const auto laid = [&](const Dataset& data) -> std::optional<Problem> {
     if (!tick()) return std::nullopt;
     auto problem = lay_out(data, options.baseline, kMostSearched);
@@ -445,6 +445,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   if (is_stopped) return cancelled();
   DiagnoseOptions asked = options;
   auto living = without_dead_sensors(options.baseline, dataset, sensors);
+  close_gaps_of(sensors, living, whole);
   asked.baseline = std::move(living.baseline);
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), living.dead.begin(), living.dead.end());
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), whole.unread.begin(),

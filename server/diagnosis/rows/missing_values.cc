@@ -5,6 +5,8 @@
 #include <compare>
 #include <numeric>
 
+#include "server/effects/term_order.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
@@ -24,8 +26,8 @@ std::vector<double> clock_of(const Dataset& data) {
   return clock;
 }
 
-// Number of values that were set. Before the first reading and after the last one the nearest
-// holds.
+// Number of values that were set: a gap as a whole or not at all. Before the first reading and
+// after the last one the nearest holds.
 std::size_t close_gaps(const std::vector<double>& clock, std::vector<double>& values) {
   std::vector<std::size_t> present;
   for (std::size_t row = 0; row < values.size(); ++row)
@@ -43,10 +45,11 @@ std::size_t close_gaps(const std::vector<double>& clock, std::vector<double>& va
     values[row] = value;
     ++closed;
   };
-  for (std::size_t row = 0; row < present.front(); ++row)
-    if (clock[present.front()] - clock[row] <= longest) set(row, values[present.front()]);
-  for (std::size_t row = present.back() + 1; row < values.size(); ++row)
-    if (clock[row] - clock[present.back()] <= longest) set(row, values[present.back()]);
+  if (clock[present.front()] - clock.front() <= longest)
+    for (std::size_t row = 0; row < present.front(); ++row) set(row, values[present.front()]);
+  if (clock.back() - clock[present.back()] <= longest)
+    for (std::size_t row = present.back() + 1; row < values.size(); ++row)
+      set(row, values[present.back()]);
   for (std::size_t i = 1; i < present.size(); ++i) {
     const std::size_t from = present[i - 1], to = present[i];
     const double gap = clock[to] - clock[from];
@@ -98,10 +101,12 @@ std::vector<std::uint8_t> there_before(const Dataset& data) {
   return repeats;
 }
 
-}  // namespace
-
-WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& conditions) {
-  WithoutGaps result;
+// Closes what can be closed and excludes the rows that still lack a value, within kMostRows: of
+// the channels that few rows lack first, for each may add rows until too many would go. Rows that
+// are excluded already lack nothing. read: symbols of the baseline, whose rows go by themselves.
+void leave_out_lacking(const std::vector<std::string>& conditions,
+                       const std::vector<std::string>& read, WithoutGaps& whole) {
+  Dataset& data = whole.data;
   const std::vector<double> clock = clock_of(data);
   struct Lacking {
     std::string symbol;
@@ -113,42 +118,62 @@ WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& condition
     if (std::ranges::find(conditions, channel.symbol) == conditions.end()) continue;
     if (changes_slowly(channel))
       if (const std::size_t closed = close_gaps(clock, column.values); closed > 0)
-        result.sentences.push_back(
+        whole.sentences.push_back(
             rows_text(closed, data.rows) + " have no value of " + channel.symbol +
             ": taken from the readings before and after, along a straight line in time");
+    if (std::ranges::find(read, channel.symbol) != read.end() ||
+        std::ranges::none_of(column.values, [](double value) { return std::isfinite(value); }))
+      continue;
     Lacking one{channel.symbol, {}};
     for (std::size_t row = 0; row < data.rows; ++row)
-      if (!std::isfinite(column.values[row])) one.rows.push_back(row);
-    if (!one.rows.empty() && one.rows.size() < data.rows) lacking.push_back(std::move(one));
+      if (!std::isfinite(column.values[row]) && !data.is_excluded(row)) one.rows.push_back(row);
+    if (!one.rows.empty()) lacking.push_back(std::move(one));
   }
-  // Those that few rows lack first: each may add rows until too many would go.
   std::ranges::stable_sort(lacking, {}, [](const Lacking& one) { return one.rows.size(); });
-  std::vector<std::uint8_t> gone = there_before(data);
-  const auto repeated = static_cast<std::size_t>(std::ranges::count(gone, 1));
-  if (repeated > 0)
-    result.sentences.push_back(rows_text(repeated, data.rows) +
-                               " repeat an earlier row in every value and were left out");
   for (const auto& one : lacking) {
-    auto with = gone;
-    for (const std::size_t row : one.rows) with[row] = 1;
-    if (static_cast<double>(std::ranges::count(with, 1)) - static_cast<double>(repeated) >
-        kMostRows * static_cast<double>(data.rows)) {
-      result.unread.push_back(one.symbol);
-      result.sentences.push_back(rows_text(one.rows.size(), data.rows) + " have no value of " +
-                                 one.symbol + ": no cause that reads it was tested");
+    const auto more = static_cast<std::size_t>(std::ranges::count_if(
+        one.rows, [&data](std::size_t row) { return !data.is_excluded(row); }));
+    if (static_cast<double>(whole.left_out + more) > kMostRows * static_cast<double>(data.rows)) {
+      whole.unread.push_back(one.symbol);
+      whole.sentences.push_back(rows_text(one.rows.size(), data.rows) + " have no value of " +
+                                one.symbol + ": no cause that reads it was tested");
       continue;
     }
-    gone = std::move(with);
-    result.sentences.push_back(rows_text(one.rows.size(), data.rows) + " have no value of " +
-                               one.symbol + " and were left out");
-  }
-  if (std::ranges::count(gone, 1) > 0) {
+    whole.left_out += more;
     if (data.excluded.empty()) data.excluded.assign(data.rows, 0);
-    for (std::size_t row = 0; row < data.rows; ++row)
-      if (gone[row] != 0) data.excluded[row] = 1;
+    for (const std::size_t row : one.rows) data.excluded[row] = 1;
+    whole.sentences.push_back(rows_text(one.rows.size(), data.rows) + " have no value of " +
+                              one.symbol + " and were left out");
   }
-  result.data = std::move(data);
+}
+
+}  // namespace
+
+WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& conditions) {
+  WithoutGaps result{.data = std::move(data), .unread = {}, .sentences = {}, .left_out = 0};
+  const auto repeats = there_before(result.data);
+  if (const auto count = std::ranges::count(repeats, 1); count > 0) {
+    auto& excluded = result.data.excluded;
+    if (excluded.empty()) excluded.assign(result.data.rows, 0);
+    for (std::size_t row = 0; row < repeats.size(); ++row) excluded[row] |= repeats[row];
+    result.sentences.push_back(rows_text(static_cast<std::size_t>(count), result.data.rows) +
+                               " repeat an earlier row in every value and were left out");
+  }
+  leave_out_lacking(conditions, {}, result);
   return result;
+}
+
+void close_gaps_of(const std::vector<FaultySensor>& sensors, const LivingBaseline& living,
+                   WithoutGaps& whole) {
+  std::vector<std::string> blanked;
+  for (const auto& sensor : sensors)
+    if ((sensor.fault == SensorFault::frozen || sensor.fault == SensorFault::spiked) &&
+        std::ranges::find(living.dead, sensor.channel) == living.dead.end())
+      blanked.push_back(sensor.channel);
+  std::vector<std::string> read;
+  for (const auto& term : living.baseline.terms)
+    for (auto& symbol : effects::symbols_of(term)) read.push_back(std::move(symbol));
+  leave_out_lacking(blanked, read, whole);
 }
 
 }  // namespace driftwise::diagnosis

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/core/data/dataset.h"
+#include "server/diagnosis/rows/rows_needed.h"
 
 namespace driftwise::diagnosis {
 
@@ -18,9 +19,15 @@ struct WithoutGaps {
   // Symbols that more rows lack than can be spared: nothing reads them.
   std::vector<std::string> unread;
   std::vector<std::string> sentences;  // of all three, for warnings
+  std::size_t left_out = 0;            // rows, for what they lack
 };
 
 // conditions: symbols of the channels that are looked at. In the catalogue's units.
 WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& conditions);
+
+// The same once more, of thermometers whose wrong readings mend_sensors() has blanked since, but
+// dead ones. Rows in which a thermometer of the baseline has no value are left out by themselves.
+void close_gaps_of(const std::vector<FaultySensor>& sensors, const LivingBaseline& living,
+                   WithoutGaps& whole);
 
 }  // namespace driftwise::diagnosis

@@ -4,6 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "server/core/data/reading.h"
 #include "tests/unit/diagnosis/everyday_axis.h"
 
 namespace driftwise::diagnosis {
@@ -33,6 +38,53 @@ TEST(AThermometer, ThatIsOffForFiveRowsHasAFault) {
   EverydayAxis axis(2);
   for (std::size_t row = 250; row < 255; ++row) axis.t01_degC[row] += 1;
   EXPECT_THAT(names_found(axis.diagnosed()), ElementsAre("sensor_fault t01"));
+}
+
+// A part that follows t01, which the baseline does not read, with a lag of 5000 s: 900 nm/K, and 8
+// nm of noise. wrong: what is done to t01.
+template <typename Wrong>
+Diagnosis lagging(const Wrong& wrong) {
+  constexpr double kStep_s = 60, kTau_s = 5000, kPerKelvin_mm = 900e-6, kSpread_mm = 8e-6;
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  Dataset data;
+  data.rows = 400;
+  std::vector<double> q, x, t01, t02;
+  double room = 20, second = 20, body = 20;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const std::size_t k = row % 40;
+    room += 0.03 * normal(random), second += 0.03 * normal(random);
+    body += (room - body) * (1 - std::exp(-kStep_s / kTau_s));
+    q.push_back(5.0 * static_cast<double>(k < 20 ? k : 39 - k));
+    x.push_back(q[row] + 1e-7 * q[row] * q[row] + 400e-6 * (second - 20) +
+                kPerKelvin_mm * (body - 20) + kSpread_mm * normal(random));
+    t01.push_back(room + 1.5e-3 * normal(random));
+    t02.push_back(second + 1.5e-3 * normal(random));
+    data.time_s.push_back(kStep_s * static_cast<double>(row));
+    data.set.push_back(row / 20 % 3 == 2 ? PointSet::validation : PointSet::calibration);
+  }
+  wrong(t01);
+  data.columns = {
+      {{"q1", "mm"}, q}, {{"x", "mm"}, x}, {{"t01", "degC"}, t01}, {{"t02", "degC"}, t02}};
+  return diagnosed(data, "q1 ~ x + x^2 + t02");
+}
+
+// Rows 105 and 150: one that judges, one that learns.
+TEST(AThermometerOfACause, LosesNothingByOneWrongReading) {
+  const auto empty = lagging([](auto& t01) { t01[105] = t01[150] = kMissing; });
+  ASSERT_THAT(names_found(empty), ElementsAre("thermal_lag t01"));
+  const auto wrong = lagging([](auto& t01) { t01[105] += 5, t01[150] += 5; });
+  EXPECT_THAT(wrong.warnings, Contains(HasSubstr("t01 gives 2 values far off")));
+  EXPECT_THAT(names_found(wrong), ElementsAre("thermal_lag t01"));
+  EXPECT_NEAR(wrong.outputs[0].a90_validation_after.value_or(0),
+              empty.outputs[0].a90_validation_after.value_or(-1), 0.5);
+}
+
+TEST(AThermometerOfACause, TeachesNothingWhileItIsFrozen) {
+  const auto found = lagging([](auto& t01) { std::fill_n(t01.begin() + 250, 60, t01[250]); });
+  EXPECT_THAT(names_found(found), ElementsAre("sensor_fault t01", "thermal_lag t01"));
+  EXPECT_THAT(found.warnings, Contains("59 of 400 rows have no value of t01 and were left out"));
+  EXPECT_LT(found.outputs[0].a90_validation_after.value_or(99), 17);  // 1.645 x 8 nm
 }
 
 // A door of a few seconds, seen once by rows that lie a minute apart, and twice as well by the
