@@ -76,14 +76,36 @@ std::string named(int number, const diagnosis::Finding& finding) {
                      finding.subject.empty() ? "" : " ", finding.subject);
 }
 
+// The wave that a term is a part of: its sine and its cosine share one amplitude. Other terms are
+// by themselves.
+effects::Term whole_of(effects::Term term) {
+  for (auto& factor : term.factors)
+    if (auto* call = std::get_if<effects::Call>(&factor); call != nullptr && call->effect == "cos")
+      call->effect = "sin";
+  return term;
+}
+
+// Size of the term, in nm per unit of it: of a wave the amplitude that sine and cosine make
+// together.
+double size_nm(const diagnosis::Finding& finding, const InstrumentClaim& claim, Eigen::Index axis,
+               std::size_t term) {
+  const auto of = [&](std::size_t k) {
+    return nm_from_mm(claim.error_mm(axis, static_cast<Eigen::Index>(k)));
+  };
+  const auto whole = whole_of(finding.terms[term]);
+  double squares = 0;
+  for (std::size_t k = 0; k < finding.terms.size(); ++k)
+    if (whole_of(finding.terms[k]) == whole) squares += of(k) * of(k);
+  return std::copysign(std::sqrt(squares), of(term));
+}
+
 Result<void> check_possible(int number, const diagnosis::Finding& finding,
                             const InstrumentClaim& claim) {
   for (std::size_t a = 0; a < claim.axes.size(); ++a)
     for (std::size_t k = 0; k < finding.terms.size(); ++k) {
       const auto physical = physical_of(finding.terms[k]);
       const double value =
-          physical.factor *
-          nm_from_mm(claim.error_mm(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(k)));
+          physical.factor * size_nm(finding, claim, static_cast<Eigen::Index>(a), k);
       if (std::abs(value) <= physical.limit) continue;
       return fail(
           ErrorCode::failed_precondition, reasons::kImpossibleParameter,

@@ -388,7 +388,7 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
       double most = kUnlimited;
       if (cause.id == "cyclic_error" && cause.parameter == "period_nm" && length)
         most = parameter / (2 * std::numbers::pi) *
-               std::max(1.0, slopes_.row(o).cwiseAbs().maxCoeff());
+               std::max(1.0, slopes_.row(o).cwiseAbs().maxCoeff() / kNmPerMm);
       typical = std::min(typical, most / 3);
       result.typical(k, o) = width_ * typical;
       result.range(k, o) = width_ * std::min(typical * factor, most);

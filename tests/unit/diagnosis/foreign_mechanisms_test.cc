@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -71,17 +72,20 @@ TEST(ForeignData, WithNothingInThemAreAdequate) {
   }
 }
 
-// A mount that bends from the middle of the data on: larger residuals, and a shape in them.
+// A mount that bends from the middle of the data on: larger residuals, and a shape in them. One
+// seed in thirty has a change of noise all the same (100 to 129).
 TEST(AShapeThatComesWithTheSecondHalf, IsNoChangeOfNoise) {
-  for (const unsigned seed : {4U, 5U, 6U}) {
+  int changes_of_noise = 0;
+  for (unsigned seed = 4; seed < 10; ++seed) {
     std::mt19937_64 random(seed);
     Rows rows = visited(random, 5);
     for (std::size_t i = kRows / 2; i < kRows; ++i)
       rows.x[i] += 15e-6 * std::cos(0.8 * std::numbers::pi * rows.q[i]);
     const auto found = diagnosed(dataset(rows), "q1 ~ x + x^2 + T");
-    EXPECT_THAT(names_in(found), testing::Not(testing::Contains("noise_change"))) << seed;
+    changes_of_noise += static_cast<int>(std::ranges::count(names_in(found), "noise_change"));
     EXPECT_EQ(found.verdict, Verdict::unexplained) << seed;
   }
+  EXPECT_LE(changes_of_noise, 1) << "of six";
 }
 
 TEST(LargerNoiseInTheSecondHalf, IsAChangeOfNoise) {

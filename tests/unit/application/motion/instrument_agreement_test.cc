@@ -136,5 +136,26 @@ INSTANTIATE_TEST_SUITE_P(
                    "amplitude of 120 nm"}),
     [](const auto& row) { return std::string(row.param.name); });
 
+// Sine and cosine of 70 nm each are a wave of 99 nm: a quarter of its period is 79.1.
+TEST(InstrumentLimits, AreOfTheWholeWave) {
+  auto claim = seen_by({50e-6, 50e-6, 50e-6});
+  auto finding = finding_with("cyclic_error", "sin(x, 316.4 nm)", claim);
+  finding.terms.push_back(*formats::parse_term("cos(x, 316.4 nm)"));
+  for (auto& output : finding.outputs) output.coefficients.push_back(output.coefficients.front());
+  const auto with_both = [&](double each_mm) {
+    auto both = claim;
+    both.seen_mm = Eigen::MatrixXd::Constant(3, 2, 0);
+    for (int o = 0; o < 3; ++o) both.seen_mm.row(o).setConstant(-claim.slopes(o, 0) * each_mm);
+    both.error_mm = -claim.slopes.colPivHouseholderQr().solve(both.seen_mm);
+    return both;
+  };
+  const auto possible = with_both(50e-6), impossible = with_both(70e-6);
+  EXPECT_TRUE(check_instrument(1, finding, possible, tilting_workspace()));
+  const auto refused = check_instrument(1, finding, impossible, tilting_workspace());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "IMPOSSIBLE_PARAMETER");
+  EXPECT_THAT(refused.error().message, HasSubstr("amplitude of 99 nm: at most 79.1 nm"));
+}
+
 }  // namespace
 }  // namespace driftwise::application

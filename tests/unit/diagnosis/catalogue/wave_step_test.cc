@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "server/diagnosis/catalogue/cause.h"
+#include "server/diagnosis/catalogue/physics.h"
+#include "server/diagnosis/rows/problem.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -59,6 +61,39 @@ TEST(Waves, BetweenTwoPeriodsOfTheGridKeepTheirEvidence) {
     for (const double phase : {0.0, 1.0, 2.0})
       EXPECT_GT(kept_by_the_grid(*cause, (kWaveRows - 1) * kBetweenWaveRows_s / turns, phase), 0.93)
           << turns << " turns";
+}
+
+// A sin(2 pi x / P) is no steeper than 2 pi A / P: above the motor's own slope over x, or above one
+// where that is less, a scale would read backwards.
+TEST(Waves, AreNoSteeperThanTheirCoordinate) {
+  for (const double slope : {0.1, 1.0, 10.0}) {
+    Dataset data = rows_of_waves();
+    for (std::size_t i = 0; i < data.rows; ++i)
+      data.columns[0].values[i] =
+          slope * data.columns[1].values[i] + 60e-6 * std::sin(static_cast<double>(i * i));
+    calibration::Candidates baseline;
+    baseline.outputs = {"q1"};
+    baseline.terms = {{{effects::Power{"x", 1}}}};
+    const auto problem = lay_out(data, baseline, kMostSearched);
+    ASSERT_TRUE(problem) << problem.error().message;
+    const Physics physics(*problem, std::nullopt);
+    const auto catalogue = catalogue_for(data, baseline.terms, {});
+    const auto cause = std::ranges::find(catalogue.causes, "cyclic_error", &Cause::id);
+    ASSERT_NE(cause, catalogue.causes.end());
+    for (const double period_nm : {128.0, 500.0, 1e6}) {
+      const std::vector<effects::Term> wave = {
+          {{effects::Call{"sin", {"x"}, {{period_nm, "nm"}}}}},
+          {{effects::Call{"cos", {"x"}, {{period_nm, "nm"}}}}}};
+      const auto columns = problem->prepared.columns(wave);
+      ASSERT_TRUE(columns);
+      const auto prior = physics.prior(*cause, wave, period_nm, problem->learned(*columns));
+      const double most_nm = std::max(slope, 1.0) * period_nm / (2 * std::numbers::pi);
+      EXPECT_LE(prior.range.maxCoeff(), 1.001 * most_nm) << slope << ", " << period_nm << " nm";
+      if (period_nm < 1e3) {
+        EXPECT_GT(prior.range.minCoeff(), 0.999 * most_nm) << "the noise would allow more";
+      }
+    }
+  }
 }
 
 }  // namespace
