@@ -216,12 +216,14 @@ double noise_of(const Problem& problem, const std::vector<double>& values, doubl
 // Of the two readings of a position, motor and pose, one has the noise. Where the pose repeats
 // itself exactly and the motors do not, it is the motors': their path is what the baseline predicts
 // from the pose. A coarse display repeats itself too, in more places than were commanded.
-// Everywhere else the pose is what the motors predict.
-bool motors_were_measured(const Problem& problem) {
+// Everywhere else the pose is what the motors predict. The pose coordinates that repeat exactly
+// where the motors were measured; none: they were not.
+std::vector<const DatasetColumn*> exact_pose(const Problem& problem) {
   const Dataset& data = problem.data();
   const double share = share_left(problem);
   bool motors_repeat = true;
   std::vector<const std::vector<double>*> motors, pose;  // that repeat, of the pose
+  std::vector<const DatasetColumn*> exact;
   for (const auto& column : data.columns) {
     if (is_motor_symbol(column.channel.symbol)) {
       motors_repeat = motors_repeat && repeats_exactly(data, column.values);
@@ -229,19 +231,22 @@ bool motors_were_measured(const Problem& problem) {
     } else if (is_coordinate(problem, column.channel) && repeats_exactly(data, column.values) &&
                !is_read_in_steps(data, column.values, noise_of(problem, column.values, share))) {
       pose.push_back(&column.values);
+      exact.push_back(&column);
     }
   }
   const bool outputs_are_motors = std::ranges::all_of(
       problem.outputs, [](const auto& output) { return is_motor_symbol(output.channel.symbol); });
-  return !pose.empty() && (!motors_repeat || (outputs_are_motors &&
-                                              different_places(pose) < different_places(motors)));
+  if (motors_repeat && !(outputs_are_motors && different_places(pose) < different_places(motors)))
+    exact.clear();
+  return exact;
 }
 
 // True: a pose coordinate is a prediction from here on.
 bool predict_coordinates(Problem& problem) {
   constexpr double kKnown = 0.02;  // of the path's spread left
   const Dataset& data = problem.data();
-  if (!motors_were_measured(problem)) {
+  const auto exact = exact_pose(problem);
+  if (exact.empty()) {
     bool any = false;
     for (const auto& column : data.columns) {
       const std::string& symbol = column.channel.symbol;
@@ -253,6 +258,10 @@ bool predict_coordinates(Problem& problem) {
     }
     return any;
   }
+  // As commanded, and not at the mean of positions that lie near one another: a fine scan at a few
+  // positions of a long stroke has all phases of a wave there.
+  for (const auto* column : exact)
+    problem.prepared.set_coordinate(column->channel.symbol, column->values);
   for (const auto& output : problem.outputs) {
     if (!is_motor_symbol(output.channel.symbol)) continue;
     const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
