@@ -145,7 +145,8 @@ class Diagnoser {
   }
 
   bool withdraw_harmful(Extension& extension) {
-    const auto harmful = withdraw_what_harms(problem_, causes_, extension, result_.warnings);
+    const auto harmful =
+        withdraw_what_harms(problem_, causes_, frame_, extension, result_.warnings);
     for (const auto& one : harmful) {
       result_.warnings.push_back(one.sentence);
       extension.forbid(one.cause);

@@ -11,10 +11,27 @@ namespace driftwise::diagnosis {
 namespace {
 
 struct Harm {
-  std::size_t index = 0, output = 0;  // of the named
+  std::size_t index = 0;              // of the named
+  std::optional<std::size_t> output;  // nothing: a motor, which several of them are behind
   double ratio = 1;
   std::string sentence;
 };
+
+Harm harm_to(const ProblemOutput& output, const Cause& cause, std::size_t index,
+             const HeldOutRatio& one) {
+  return {index,
+          {},
+          one.ratio(),
+          name_of(cause) +
+              ": with it the rows that took no part in finding it are described worse (A90 of " +
+              output.channel.symbol + " " + digits_text(kSigmaToU90 * one.before) + " -> " +
+              digits_text(kSigmaToU90 * one.after) + " " + output.unit + ")"};
+}
+
+SoftBase described_without(const Problem& problem, const Extension& extension, std::size_t output,
+                           std::size_t index, bool only) {
+  return only ? extension.described(output, index) : SoftBase(problem.base_columns);
+}
 
 // index: the finding that is to go if the comparison is bad. only: compared with the
 // others in, else with none.
@@ -23,38 +40,80 @@ std::optional<Harm> harm_of(const Problem& problem, const std::vector<Cause>& ca
   std::optional<Harm> worst;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     const auto& output = problem.outputs[o];
-    const SoftBase without = only ? extension.described(o, index) : SoftBase(problem.base_columns);
-    const HeldOutRatio one = held_out_ratio(problem, output, without, extension.described(o));
+    const HeldOutRatio one =
+        held_out_ratio(problem, output, described_without(problem, extension, o, index, only),
+                       extension.described(o));
     if (!one.is_worse() || (worst && one.ratio() <= worst->ratio)) continue;
-    const std::string figures = "A90 of " + output.channel.symbol + " " +
-                                digits_text(kSigmaToU90 * one.before) + " -> " +
-                                digits_text(kSigmaToU90 * one.after) + " " + output.unit;
-    worst = {index, o, one.ratio(),
-             name_of(causes[extension.named()[index].cause]) +
-                 ": with it the rows that took no part in finding it are described worse (" +
-                 figures + ")"};
+    worst = harm_to(output, causes[extension.named()[index].cause], index, one);
+    worst->output = o;
+  }
+  return worst;
+}
+
+// The same of the motors that the coordinates are behind: errors of coordinates that are alike may
+// cancel in a motor.
+std::optional<Harm> harm_of_motors(const CoordinateFrame& frame, const Problem& problem,
+                                   const std::vector<Cause>& causes, const Extension& extension,
+                                   std::size_t index, bool only) {
+  const auto size = static_cast<Eigen::Index>(problem.outputs.size());
+  Eigen::MatrixXd before(static_cast<Eigen::Index>(problem.judge.size()), size), after = before;
+  for (Eigen::Index c = 0; c < size; ++c) {
+    const auto o = static_cast<std::size_t>(c);
+    const auto& output = problem.outputs[o];
+    before.col(c) =
+        judged_residuals(problem, output, described_without(problem, extension, o, index, only));
+    after.col(c) = judged_residuals(problem, output, extension.described(o));
+  }
+  before = frame.of_motors(before, problem.judge);
+  after = frame.of_motors(after, problem.judge);
+  std::optional<Harm> worst;
+  for (Eigen::Index m = 0; m < size; ++m) {
+    const HeldOutRatio one = held_out_ratio(before.col(m), after.col(m));
+    if (!one.is_worse() || (worst && one.ratio() <= worst->ratio)) continue;
+    worst = harm_to(frame.motors[static_cast<std::size_t>(m)],
+                    causes[extension.named()[index].cause], index, one);
   }
   return worst;
 }
 
 // Is a finding worth having for an output other than this one, beyond the interval, and is there
 // enough of it without this one to have a name?
-bool helps_another(const Problem& problem, const Extension& extension, const Harm& harm) {
-  const Ground without = extension.ground(harm.index, extension.shapes());
-  if (extension.gain_where_it_acts(harm.index, without, harm.output).gain < kExplainedByOthers)
-    return false;
+bool helps_another(const Problem& problem, const Extension& extension, std::size_t index,
+                   std::size_t output) {
+  const Ground without = extension.ground(index, extension.shapes());
+  if (extension.gain_where_it_acts(index, without, output).gain < kExplainedByOthers) return false;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-    if (o == harm.output || extension.named()[harm.index].share[o] == 0) continue;
-    const HeldOutRatio one = held_out_ratio(
-        problem, problem.outputs[o], extension.described(o, harm.index), extension.described(o));
+    if (o == output || extension.named()[index].share[o] == 0) continue;
+    const HeldOutRatio one = held_out_ratio(problem, problem.outputs[o],
+                                            extension.described(o, index), extension.described(o));
     if (one.ratio_ci90.high < 1) return true;
   }
   return false;
 }
 
+// Where a finding that harms is left out: of a motor, the coordinate behind it that it describes
+// worst. Nothing: nowhere, for it is worth nothing elsewhere.
+std::optional<std::size_t> left_out_of(const Problem& problem, const Extension& extension,
+                                       const Harm& harm) {
+  const auto& share = extension.named()[harm.index].share;
+  std::optional<std::size_t> where = harm.output;
+  double most = 1;
+  for (std::size_t o = 0; !harm.output && o < problem.outputs.size(); ++o) {
+    if (share[o] == 0) continue;
+    const double ratio = held_out_ratio(problem, problem.outputs[o],
+                                        extension.described(o, harm.index), extension.described(o))
+                             .ratio();
+    if (ratio > most) most = ratio, where = o;
+  }
+  if (!where || share[*where] == 0 || !helps_another(problem, extension, harm.index, *where))
+    return std::nullopt;
+  return where;
+}
+
 }  // namespace
 
 std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vector<Cause>& causes,
+                                         const std::optional<CoordinateFrame>& frame,
                                          Extension& extension, std::vector<std::string>& said) {
   std::vector<Harmful> harmful;
   while (problem.judge.size() >= kFewestJudges && !extension.named().empty()) {
@@ -62,21 +121,23 @@ std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vect
     const auto take = [&](std::optional<Harm> harm) {
       if (harm && (!worst || harm->ratio > worst->ratio)) worst = std::move(harm);
     };
-    for (std::size_t i = 0; i < extension.named().size(); ++i)
-      take(harm_of(problem, causes, extension, i, true));
+    const auto look = [&](std::size_t index, bool only) {
+      take(harm_of(problem, causes, extension, index, only));
+      if (frame) take(harm_of_motors(*frame, problem, causes, extension, index, only));
+    };
+    for (std::size_t i = 0; i < extension.named().size(); ++i) look(i, true);
     const bool alone = worst.has_value();
     if (!worst)  // no one of them, but all together: the weakest goes
-      take(harm_of(problem, causes, extension,
-                   static_cast<std::size_t>(
-                       std::ranges::min_element(extension.named(), {}, &Named::evidence) -
-                       extension.named().begin()),
-                   false));
+      look(static_cast<std::size_t>(
+               std::ranges::min_element(extension.named(), {}, &Named::evidence) -
+               extension.named().begin()),
+           false);
     if (!worst) break;
     // A cause need not act on every output: where it helps another it is left out of this one.
-    if (alone && extension.named()[worst->index].share[worst->output] > 0 &&
-        helps_another(problem, extension, *worst)) {
-      said.push_back(worst->sentence + "; it is left out there");
-      extension.silence(worst->index, worst->output);
+    if (const auto where = alone ? left_out_of(problem, extension, *worst) : std::nullopt) {
+      said.push_back(worst->sentence + "; it is left out " +
+                     (worst->output ? "there" : "of " + problem.outputs[*where].channel.symbol));
+      extension.silence(worst->index, *where);
       continue;
     }
     harmful.push_back(

@@ -3,10 +3,12 @@
 // are described worse than without it (root mean square, mean included, by more than 2 % and beyond
 // its 90 % interval) does not stand, and all findings together are held to the same.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/diagnosis/growth/extension.h"
+#include "server/diagnosis/search/coordinate_frame.h"
 
 namespace driftwise::diagnosis {
 
@@ -17,9 +19,10 @@ struct Harmful {
 
 // Takes back what harms, the worst first, until nothing does. What harms one output and helps
 // another, beyond the interval, is left out of the one only where the others still show it, and
-// `said` says so. With fewer than
-// 20 judging rows nothing is judged.
+// `said` says so. frame: its motors are judged beside the coordinates. With fewer than 20 judging
+// rows nothing is judged.
 std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vector<Cause>& causes,
+                                         const std::optional<CoordinateFrame>& frame,
                                          Extension& extension, std::vector<std::string>& said);
 
 // Of the mean square that the baseline leaves on held-out rows beyond their own noise, the share

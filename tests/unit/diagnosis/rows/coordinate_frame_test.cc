@@ -7,11 +7,15 @@
 
 #include <Eigen/QR>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numeric>
 #include <random>
 
 #include "server/diagnosis/diagnose.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
+#include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace coordinate_frame_test {  // other tests have rows of their own
@@ -138,6 +142,19 @@ TEST(CoordinateFrame, NamesNothingWhereNothingIsHidden) {
   ASSERT_TRUE(found);
   EXPECT_THAT(found->findings, testing::IsEmpty());
   EXPECT_EQ(found->verdict, Verdict::adequate);
+}
+
+// What is alike in two coordinates may cancel in a motor: the motors have the last word.
+TEST(CoordinateFrame, OffersNothingThatDescribesAMotorWorse) {
+  std::ifstream file(DRIFTWISE_SOURCE_DIR "/tests/data/parallel/single_5827200_study.csv");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const auto data = formats::read_dataset_csv(text, "single_5827200_study.csv");
+  ASSERT_TRUE(data);
+  const auto found = diagnosed(*data, "q ~ poly(x, y, z, 2) + T");
+  EXPECT_NE(found.verdict, Verdict::extended);
+  EXPECT_THAT(found.warnings, testing::Contains(testing::HasSubstr("described worse (A90 of q2")));
+  for (const auto& output : found.outputs)
+    EXPECT_LE(*output.a90_validation_after, 1.02 * *output.a90_validation_before) << output.output;
 }
 
 }  // namespace
