@@ -91,8 +91,8 @@ bool helps_another(const Problem& problem, const Extension& extension, std::size
   return false;
 }
 
-// Where a finding that harms is left out: of a motor, the coordinate behind it that it describes
-// worst. Nothing: nowhere, for it is worth nothing elsewhere.
+// The output that a harmful finding is left out of. Of a motor: the coordinate behind it that the
+// finding describes worst. Nothing: the finding is worth nothing elsewhere.
 std::optional<std::size_t> left_out_of(const Problem& problem, const Extension& extension,
                                        const Harm& harm) {
   const auto& share = extension.named()[harm.index].share;

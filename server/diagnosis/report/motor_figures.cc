@@ -58,7 +58,7 @@ std::string subject_in_frame(const CoordinateFrame& frame, const Problem& proble
   return found;
 }
 
-// How far a correction may be off, of a motor: those of the coordinates through its slopes.
+// Uncertainties of a motor's correction: those of the coordinates through its slopes.
 void turn_corrections(const CoordinateFrame& frame, const Problem& problem, const Finding& finding,
                       std::vector<FindingOutput>& motors) {
   const auto size = static_cast<Index>(motors.size());

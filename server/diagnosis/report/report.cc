@@ -352,8 +352,8 @@ Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
 
 namespace {
 
-// What the baseline and the extended simulation leave of an output: of every row, of those that
-// judge.
+// Residuals of an output by the baseline and by the extended simulation: of every row, and of those
+// that judge.
 struct Left {
   Eigen::VectorXd before, after, judged_before, judged_after;
 };

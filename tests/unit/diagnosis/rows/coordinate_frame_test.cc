@@ -144,7 +144,7 @@ TEST(CoordinateFrame, NamesNothingWhereNothingIsHidden) {
   EXPECT_EQ(found->verdict, Verdict::adequate);
 }
 
-// What is alike in two coordinates may cancel in a motor: the motors have the last word.
+// Errors of two coordinates that are alike may cancel in a motor: the motors have the last word.
 TEST(CoordinateFrame, OffersNothingThatDescribesAMotorWorse) {
   std::ifstream file(DRIFTWISE_SOURCE_DIR "/tests/data/parallel/single_5827200_study.csv");
   const std::string text(std::istreambuf_iterator<char>(file), {});
