@@ -341,8 +341,7 @@ class Diagnoser {
     for (auto& said : worse_as_read(problem_, readings_))
       result_.warnings.push_back(std::move(said));
     result_.judged_on = problem_.judged_by_validation ? JudgedRows::validation : JudgedRows::blocks;
-    for (auto& mean :
-         means_beyond_noise(problem_, result_.outputs, extension.all().columns, options_.alpha))
+    for (auto& mean : means_beyond_noise(problem_, result_.outputs, extension, options_.alpha))
       result_.left_over.push_back(std::move(mean));
     for (auto& said : taken_by_time(result_)) result_.warnings.push_back(std::move(said));
     for (const auto& worse : outputs_made_worse(result_))
@@ -386,10 +385,6 @@ std::vector<std::string> conditions_of(const Dataset& dataset,
                                                  !is_response(channel, outputs))
       conditions.push_back(channel.symbol);
   return conditions;
-}
-
-bool several_datums(const Dataset& dataset) {
-  return std::ranges::adjacent_find(dataset.datum, std::not_equal_to{}) != dataset.datum.end();
 }
 
 }  // namespace
@@ -451,7 +446,9 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), living.dead.begin(), living.dead.end());
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), whole.unread.begin(),
                                whole.unread.end());
-  if (options.simulated.size() == 0 && several_datums(mended)) {
+  const bool one_datum =
+      std::ranges::adjacent_find(mended.datum, std::not_equal_to{}) == mended.datum.end();
+  if (options.simulated.size() == 0 && !one_datum) {
     // As a fit has further datums (docs/decisions/0005): a constant alone would leave a slope where
     // the geometry is curved, and some cause would be found for it.
     calibration::FitOptions fit;
@@ -472,14 +469,19 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   for (auto& said : rows_left_out(problem)) whole.sentences.push_back(std::move(said));
   for (auto& said : coarse_notes(problem.prepared.coarse()))
     whole.sentences.push_back(std::move(said));
-  auto found = Diagnoser(dataset, mended, problem, asked).run(sensors);
+  // By the baseline alone, then by what is found: rounding errors are no simulation behind them.
+  Problem freed = problem;
+  DRIFTWISE_TRY(auto rounded, free_of_rounding(freed, dataset, {}));
+  auto found = Diagnoser(dataset, mended, std::move(freed), asked).run(sensors);
   if (!found) return found;
-  DRIFTWISE_TRY(auto rounded, free_of_rounding(problem, dataset, found->findings));
-  if (!rounded.empty()) {
+  const auto adds = [](const Finding& finding) { return !finding.terms.empty(); };
+  DRIFTWISE_TRY(auto again, free_of_rounding(problem, dataset, found->findings));
+  if (!again.empty() && (rounded.empty() || std::ranges::any_of(found->findings, adds))) {
+    rounded = std::move(again);
     found = Diagnoser(dataset, mended, std::move(problem), asked).run(std::move(sensors));
     if (!found) return found;
-    whole.sentences.insert(whole.sentences.end(), rounded.begin(), rounded.end());
   }
+  whole.sentences.insert(whole.sentences.end(), rounded.begin(), rounded.end());
   if (!dataset.set.empty() && std::ranges::count(dataset.set, PointSet::calibration) == 0)
     whole.sentences.push_back(
         "every row is marked for validation: they are what the search learns from, and nothing "

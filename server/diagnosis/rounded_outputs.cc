@@ -18,9 +18,13 @@ constexpr std::size_t kFewestRounded = 16;
 constexpr double kOffTheGrid = 1e-6;   // of a step, off a whole number of them
 constexpr double kSmallest = 1e-8;     // of the range, of a step
 constexpr double kNoiseOfAStep = 0.5;  // above it rounding errors are as good as independent
+constexpr double kNoiseAlone = 0.2;    // by the baseline alone: more may be what is to be found
 // Robust standard deviation of readings about what is simulated, in steps: 0.37 where rounding is
-// all there is. Less: the values are nominal. More: something else is larger.
-constexpr double kLeastSpread = 0.1, kMostSpread = 0.8;
+// all there is. More: something else is larger.
+constexpr double kMostSpread = 0.8;
+constexpr double kLeastSpread = 0.01;    // less: nominal values, as they are
+constexpr double kSamePlace = 1;         // step, of what is foretold
+constexpr double kKolmogorovAt1 = 1.63;  // times 1/sqrt(count), of the largest distance, level 1 %
 constexpr double kSmallestNoise = 0.02;  // of a step
 constexpr double kBeside = 1.5;          // steps
 constexpr std::size_t kFewestVisits = 3;
@@ -95,9 +99,34 @@ std::optional<Law> behind(const Eigen::MatrixXd& simulation, const Eigen::Vector
 }
 
 struct Step {
-  std::string channel;  // that is read in it
-  double size = 0;      // of the output, in its summary unit; 0: none
+  std::string channel;   // that is read in it
+  double size = 0;       // of the output, in its summary unit; 0: none
+  bool is_grid = false;  // what is set goes in whole steps too
 };
+
+// True: the values differ by whole steps of another channel, in its unit.
+bool go_in_steps_of(const DatasetColumn& read, double step, const DatasetColumn& set) {
+  constexpr double kOffAStep = 1e-3;
+  const double per_unit =
+      summary_unit(set.channel.unit).factor / summary_unit(read.channel.unit).factor / step;
+  return std::ranges::all_of(set.values, [&](double value) {
+    const double steps = (value - set.values.front()) * per_unit;
+    return !std::isfinite(steps) || std::abs(steps - std::round(steps)) < kOffAStep;
+  });
+}
+
+// The coordinates that the baseline reads as they are.
+std::vector<const DatasetColumn*> coordinates_read(const Problem& problem, const Dataset& given) {
+  std::vector<const DatasetColumn*> result;
+  for (const auto& term : problem.base) {
+    const auto* power =
+        term.factors.size() == 1 ? std::get_if<effects::Power>(&term.factors.front()) : nullptr;
+    if (power == nullptr || power->exponent != 1) continue;
+    if (!is_pose_symbol(power->symbol) && !is_motor_symbol(power->symbol)) continue;
+    if (const auto* column = given.find(power->symbol)) result.push_back(column);
+  }
+  return result;
+}
 
 // A motor's discrepancy is as coarse as the pose coordinate that the baseline reads, times its
 // slope; of several the coarsest, where no other one is nearly as coarse.
@@ -121,9 +150,12 @@ Step step_behind_motor(const Problem& problem, const ProblemOutput& output, cons
     const auto at = static_cast<Eigen::Index>(t);
     const double per_unit =
         summary_unit(column->channel.unit).factor / summary_unit(laid->channel.unit).factor;
-    const double size = std::abs(b[at] / lengths[at]) * per_unit * decimal_step(column->values);
+    const double step = decimal_step(column->values);
+    const double size = std::abs(b[at] / lengths[at]) * per_unit * step;
     second = std::max(second, std::min(size, coarsest.size));
-    if (size > coarsest.size) coarsest = {column->channel.name(), size};
+    if (size > coarsest.size)
+      coarsest = {column->channel.name(), size,
+                  go_in_steps_of(*column, step, *given.find(output.channel.symbol))};
   }
   return second > kNearlyAsCoarse * coarsest.size ? Step{} : coarsest;
 }
@@ -149,13 +181,42 @@ std::vector<Step> steps_of(const Problem& problem, const ProblemOutput& output,
   if (column == nullptr) return {};
   std::vector<Step> steps;
   const double own = decimal_step(column->values);
-  if (!are_set(column->values, own))
-    steps.push_back({column->channel.name(), own * summary_unit(column->channel.unit).factor});
+  if (!are_set(column->values, own)) {
+    const auto read = coordinates_read(problem, given);
+    steps.push_back({column->channel.name(), own * summary_unit(column->channel.unit).factor,
+                     !read.empty() && std::ranges::all_of(read, [&](const DatasetColumn* set) {
+                       return go_in_steps_of(*column, own, *set);
+                     })});
+  }
   if (is_motor_symbol(output.channel.symbol))
     steps.push_back(step_behind_motor(problem, output, given));
   std::erase_if(steps, [](const Step& step) { return !(step.size > 0); });
   std::ranges::sort(steps, std::ranges::greater{}, &Step::size);
   return steps;
+}
+
+// Rounding errors are uniform over a step, whatever lies behind them (Kolmogorov's test). Nominal
+// values do not fill it, nor does what is left of an effect that is not found yet. Rows that are
+// foretold within a step count as one. Not asked where what is set goes in whole steps itself: what
+// is measured never does.
+bool fill_the_step(const Law& law, const Eigen::VectorXd& readings, double step) {
+  std::vector<double> foretold(law.foretold.data(), law.foretold.data() + law.foretold.size());
+  std::ranges::sort(foretold);
+  double places = 1, from = foretold.front();
+  for (const double one : foretold)
+    if (one - from > kSamePlace * step) from = one, ++places;
+  std::vector<double> off;  // from the middle of the step, 0 to 1
+  for (Eigen::Index i = 0; i < readings.size(); ++i) {
+    const double u = (readings[i] - law.foretold[i]) / step;
+    off.push_back(2 * std::abs(u - std::round(u)));
+  }
+  std::ranges::sort(off);
+  double farthest = 0;
+  const auto count = static_cast<double>(off.size());
+  for (std::size_t i = 0; i < off.size(); ++i)
+    farthest = std::max({farthest, off[i] - static_cast<double>(i) / count,
+                         static_cast<double>(i + 1) / count - off[i]});
+  return farthest < kKolmogorovAt1 / std::sqrt(places);
 }
 
 struct Rounding {
@@ -166,16 +227,28 @@ struct Rounding {
 // The first of them that is no nominal position's and that the noise does not hide.
 std::optional<Rounding> rounding_of(const std::vector<Step>& steps,
                                     const Eigen::MatrixXd& simulation,
-                                    const Eigen::VectorXd& readings) {
+                                    const Eigen::VectorXd& readings, double most_noise) {
   for (const Step& step : steps) {
     auto law = behind(simulation, readings, step.size);
     if (!law) return std::nullopt;
     const double spread = spread_about(law->foretold, readings, step.size);
-    if (spread < kLeastSpread) continue;
-    if (spread > kMostSpread || law->sd > kNoiseOfAStep * step.size) return std::nullopt;
+    if (step.is_grid ? spread < kLeastSpread : !fill_the_step(*law, readings, step.size)) continue;
+    if (spread > kMostSpread || law->sd > most_noise * step.size) return std::nullopt;
     return Rounding{step, std::move(*law)};
   }
   return std::nullopt;
+}
+
+// A wave of the step, or of a whole part of it: the rounding errors' own Fourier series.
+bool spells_out_a_step(const Finding& finding, const std::vector<Step>& steps) {
+  constexpr double kNearAWhole = 1e-3;
+  return finding.cause == "cyclic_error" &&
+         std::ranges::any_of(finding.parameters, [&](const FoundParameter& parameter) {
+           return std::ranges::any_of(steps, [&](const Step& step) {
+             const double parts = step.size / parameter.value, whole = std::round(parts);
+             return whole >= 1 && std::abs(parts - whole) < kNearAWhole * whole;
+           });
+         });
 }
 
 }  // namespace
@@ -217,7 +290,7 @@ Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Datase
     if (steps.empty()) continue;
     Eigen::MatrixXd simulation = problem.base_columns;
     for (const auto& finding : found) {
-      if (finding.terms.empty()) continue;
+      if (finding.terms.empty() || spells_out_a_step(finding, steps)) continue;
       DRIFTWISE_TRY(const auto columns, problem.prepared.columns(finding.terms));
       if (!rows_of(columns, rows).allFinite()) continue;
       const Eigen::MatrixXd before = simulation;
@@ -228,7 +301,8 @@ Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Datase
     const Eigen::RowVectorXd lengths = x.colwise().norm().cwiseMax(1e-300);
     x = (x.array().rowwise() / lengths.array()).matrix().eval();
     const Eigen::VectorXd readings = rows_of(output.measured, rows);
-    const auto rounding = rounding_of(steps, x, readings);
+    const auto rounding =
+        rounding_of(steps, x, readings, found.empty() ? kNoiseAlone : kNoiseOfAStep);
     if (!rounding) continue;
     const auto& [read, law] = *rounding;
     const double step = read.size;

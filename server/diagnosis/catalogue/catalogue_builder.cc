@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/effects/effect.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -148,27 +149,48 @@ bool CatalogueBuilder::known(const effects::Term& term) const {
 void CatalogueBuilder::missing(const std::string& cause, const std::string& why) {
   for (auto& one : catalogue_.not_testable)
     if (one.cause == cause) {
-      one.why += "; " + why;
+      if (one.why.find(why) == std::string::npos) one.why += "; " + why;
       return;
     }
   catalogue_.not_testable.push_back({cause, why});
 }
+
+namespace {
+
+// A week between rows, or a stroke of a picometre, asks for what no formula may say.
+bool are_within_limits(const std::vector<effects::Term>& terms) {
+  return std::ranges::all_of(terms, [](const effects::Term& term) {
+    return std::ranges::all_of(term.factors, [](const effects::Factor& factor) {
+      const auto* call = std::get_if<effects::Call>(&factor);
+      return call == nullptr || effects::checked(*call).has_value();
+    });
+  });
+}
+
+}  // namespace
 
 void CatalogueBuilder::add_terms(Cause& cause, const std::vector<effects::Term>& terms,
                                  double parameter) const {
   Cell cell{parameter, {}};
   for (const auto& term : terms)
     if (!known(term)) cell.terms.push_back(effects::canonical(term));
-  if (cell.terms.empty()) return;
+  if (cell.terms.empty() || !are_within_limits(cell.terms)) return;
   for (const auto& other : cause.cells)
     if (other.terms == cell.terms) return;
   cause.cells.push_back(std::move(cell));
 }
 
-void CatalogueBuilder::add_values(
-    Cause& cause, const std::vector<double>& values,
-    const std::function<std::vector<effects::Term>(double)>& terms) const {
-  for (const double value : values) cause.cells.push_back({value, terms(value)});
+void CatalogueBuilder::add_values(Cause& cause, const std::vector<double>& values,
+                                  const std::function<std::vector<effects::Term>(double)>& terms) {
+  bool any = false;
+  for (const double value : values) {
+    Cell cell{value, terms(value)};
+    if (are_within_limits(cell.terms)) cause.cells.push_back(std::move(cell)), any = true;
+  }
+  if (!values.empty() && !any)
+    missing(cause.id, "every " + cause.parameter + " that these data could show, from " +
+                          effects::number_text(values.front()) + " to " +
+                          effects::number_text(values.back()) + ", is outside its limits");
 }
 
 void CatalogueBuilder::take_cause(Cause cause) {

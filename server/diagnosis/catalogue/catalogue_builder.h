@@ -38,9 +38,9 @@ class CatalogueBuilder {
   void missing(const std::string& cause, const std::string& why);
   // One cell of all those terms that the simulation lacks; none if it has them all.
   void add_terms(Cause& cause, const std::vector<effects::Term>& terms, double parameter) const;
-  // One cell per value.
+  // One cell per value that the effect allows. None: missing().
   void add_values(Cause& cause, const std::vector<double>& values,
-                  const std::function<std::vector<effects::Term>(double)>& terms) const;
+                  const std::function<std::vector<effects::Term>(double)>& terms);
   void take_cause(Cause cause);  // if it has cells
   Catalogue take() { return std::move(catalogue_); }
 

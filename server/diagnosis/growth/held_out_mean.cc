@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "server/core/text/quantity_text.h"
+#include "server/diagnosis/growth/extension.h"
+#include "server/diagnosis/rows/held_out_gain.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -41,15 +43,25 @@ double rows_together(const Problem& problem, double tau_s) {
   return std::clamp(2 * tau_s / step, 1.0, static_cast<double>(problem.learn.size()));
 }
 
+// As the noise is: without what the search's values were freed of, which no noise describes.
+double mean_held_out(const Problem& problem, const Extension& extension,
+                     const OutputSummary& output) {
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+    if (const auto& own = problem.outputs[o];
+        own.channel.symbol == output.output && own.freed_of.size() > 0)
+      return rows_of(residuals(problem, own, extension.described(o)), problem.judge).mean();
+  return *output.mean_validation_after;
+}
+
 }  // namespace
 
 std::vector<LeftOver> means_beyond_noise(const Problem& problem,
                                          const std::vector<OutputSummary>& outputs,
-                                         const Eigen::MatrixXd& columns, double alpha) {
+                                         const Extension& extension, double alpha) {
   std::vector<LeftOver> beyond;
   // The mean over blocks that are held out in turn is that of the fit: none.
   if (problem.judged_in_turn || problem.judge.size() < kFewestHeldOut) return beyond;
-  const double leverage = leverage_of_mean(problem, columns);
+  const double leverage = leverage_of_mean(problem, extension.all().columns);
   // The noise is that of the search's rows, which are averages of so many.
   const auto averaged = static_cast<double>(problem.rows_per_block);
   const auto judged = static_cast<double>(problem.judge.size());
@@ -60,13 +72,13 @@ std::vector<LeftOver> means_beyond_noise(const Problem& problem,
     const double variance = white / judged + slow +
                             (white + slow * rows_together(problem, output.noise_tau_s)) * leverage;
     if (!(variance > 0)) continue;
-    const double z = std::abs(*output.mean_validation_after) / std::sqrt(variance);
+    const double mean = mean_held_out(problem, extension, output);
+    const double z = std::abs(mean) / std::sqrt(variance);
     const double p =
         std::min(1.0, std::erfc(z / std::numbers::sqrt2) * static_cast<double>(outputs.size()));
     if (p < alpha)
       beyond.push_back({"the held-out rows as a whole: " + output.output + " errs by " +
-                            digits_text(*output.mean_validation_after, 3, true) + " " +
-                            output.unit + " on average",
+                            digits_text(mean, 3, true) + " " + output.unit + " on average",
                         p});
   }
   return beyond;

@@ -8,7 +8,6 @@
 // within two correlation times, X the learning rows' columns, c the mean of the held-out rows'
 // columns. The slow noise is not averaged, so that the test errs to the side of silence.
 
-#include <Eigen/Core>
 #include <vector>
 
 #include "server/diagnosis/answer/diagnosis.h"
@@ -16,10 +15,13 @@
 
 namespace driftwise::diagnosis {
 
+class Extension;
+
 // Means that noise alone makes less often than alpha, corrected for the number of outputs.
-// columns: of the extended simulation, every row of the dataset. outputs: as outputs_of() gives.
+// outputs: as outputs_of() gives. Of an output that was freed of rounding errors or of sides
+// (ProblemOutput::freed_of) the mean is that of the freed values.
 std::vector<LeftOver> means_beyond_noise(const Problem& problem,
                                          const std::vector<OutputSummary>& outputs,
-                                         const Eigen::MatrixXd& columns, double alpha);
+                                         const Extension& extension, double alpha);
 
 }  // namespace driftwise::diagnosis

@@ -126,6 +126,51 @@ void Prepared::set_coordinate(const std::string& symbol, const std::vector<doubl
       if (column.channel.symbol == symbol) column.values = values;
 }
 
+bool Prepared::give_back_followed(const std::vector<effects::Term>& base,
+                                  const Eigen::MatrixXd& base_columns,
+                                  const Eigen::MatrixXd& outputs,
+                                  const std::vector<std::size_t>& rows) {
+  const auto learned = [&](std::span<const double> values) {
+    Eigen::VectorXd taken(std::ssize(rows));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      taken[static_cast<Eigen::Index>(i)] = values[rows[i]];
+    return taken;
+  };
+  const auto reads = [](const effects::Term& term, const std::string& symbol) {
+    const auto symbols = effects::symbols_of(term);
+    return std::ranges::find(symbols, symbol) != symbols.end();
+  };
+  const Eigen::MatrixXd columns = base_columns(rows, Eigen::all);
+  Eigen::MatrixXd shapes = Eigen::MatrixXd::Ones(columns.rows(), 1);
+  for (const auto& [channel, values] : data_.columns) {
+    if (!is_pose_symbol(channel.symbol) && !is_motor_symbol(channel.symbol)) continue;
+    if (std::ranges::none_of(base, [&](const auto& term) { return reads(term, channel.symbol); }))
+      continue;
+    const Eigen::VectorXd shape = learned(values);
+    shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
+    shapes.rightCols(1) = (shape.array() - shape.mean()).matrix();
+  }
+  std::map<std::string, double> shares;
+  for (const auto& [channel, values] : readings_.columns) {
+    if (!is_structure_temperature(channel)) continue;
+    const Eigen::VectorXd smooth = learned(data_.values_of(channel.symbol)),
+                          taken = learned(values) - smooth;
+    if (!taken.allFinite()) continue;
+    std::vector<Eigen::Index> others;
+    for (std::size_t k = 0; k < base.size(); ++k)
+      if (!reads(base[k], channel.symbol)) others.push_back(static_cast<Eigen::Index>(k));
+    const double share =
+        share_followed(columns(Eigen::all, others), outputs, smooth, taken, shapes);
+    if (share > 0) shares[channel.symbol] = share;
+  }
+  for (Dataset* data : {&data_, &clocked_, &on_path_, &at_places_})
+    for (auto& [channel, values] : data->columns)
+      if (const auto found = shares.find(channel.symbol); found != shares.end())
+        for (std::size_t i = 0; i < values.size(); ++i)
+          values[i] += found->second * (readings_.values_of(channel.symbol)[i] - values[i]);
+  return !shares.empty();
+}
+
 Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& terms) const {
   const auto from = [&](const effects::Term& term) {
     if (is_wave_in_coordinate(term)) return &at_places_;

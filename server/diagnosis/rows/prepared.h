@@ -29,6 +29,13 @@ class Prepared {
   // it instead of the measured one.
   void set_coordinate(const std::string& symbol, const std::vector<double>& values);
 
+  // Temperatures that change as fast as the rows, and that the outputs follow, as they were read or
+  // as near to it as share_followed() says (smoothing.h). base_columns: of every row; outputs: of
+  // the rows that learn. True: some were given back.
+  bool give_back_followed(const std::vector<effects::Term>& base,
+                          const Eigen::MatrixXd& base_columns, const Eigen::MatrixXd& outputs,
+                          const std::vector<std::size_t>& rows);
+
   // What causes read: conditions smoothed, coordinates predicted.
   const Dataset& conditions() const { return clocked_; }
 

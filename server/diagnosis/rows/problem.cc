@@ -152,6 +152,18 @@ Result<void> divide_rows(const Dataset& dataset, Judging judging, Problem& probl
   return {};
 }
 
+Result<void> give_back_fast_temperatures(Problem& problem) {
+  Eigen::MatrixXd outputs(std::ssize(problem.learn), std::ssize(problem.outputs));
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+    outputs.col(static_cast<Eigen::Index>(o)) = rows_of(problem.outputs[o].measured, problem.learn);
+  if (!problem.prepared.give_back_followed(problem.base, problem.base_columns, outputs,
+                                           problem.learn))
+    return {};
+  DRIFTWISE_TRY(auto columns, problem.prepared.columns(problem.base));
+  problem.base_columns = std::move(columns);
+  return {};
+}
+
 void leave_out_undetermined(Problem& problem, std::size_t constants) {
   const auto gone = calibration::undetermined(rows_of(problem.base_columns, problem.learn),
                                               static_cast<Eigen::Index>(constants));
@@ -455,6 +467,7 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
   problem.base_columns = std::move(columns);
   DRIFTWISE_RETURN_IF_ERROR(divide_rows(dataset, judging, problem));
   DRIFTWISE_RETURN_IF_ERROR(check_variation(problem));
+  DRIFTWISE_RETURN_IF_ERROR(give_back_fast_temperatures(problem));
   leave_out_undetermined(problem, always);
   if (predict_coordinates(problem)) DRIFTWISE_RETURN_IF_ERROR(lay_on_prediction(problem));
   DRIFTWISE_TRY(auto hidden, hidden_in(problem));

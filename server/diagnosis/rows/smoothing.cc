@@ -14,6 +14,11 @@ constexpr double kKernelReach = 3;         // standard deviations of the kernel
 constexpr std::size_t kMostJudged = 4000;  // values that the choice of width looks at
 constexpr Eigen::Index kShapes = 3;        // that the thermometers have in common
 constexpr Eigen::Index kRowsPerShape = 10;
+constexpr double kClearlyLess = 5;  // standard deviations
+
+// Twice a log-likelihood that k free amplitudes gain by chance hardly ever: chi-squared with k
+// degrees of freedom, and `more` beyond four standard deviations of it.
+double by_chance(double k, double more) { return k + 4 * std::sqrt(2 * k) + more; }
 
 struct Local {
   double with = 0, without = 0;  // the line's value at the point, fitted with it and without
@@ -129,15 +134,63 @@ std::vector<std::vector<double>> smoothed_together(std::span<const double> time_
     const Eigen::VectorXd foretold = shapes * shapes.colPivHouseholderQr().solve(own);
     const double known = 1 - (own - foretold).squaredNorm() / own.squaredNorm();
     const auto k = static_cast<double>(shapes.cols());
-    // Chi-squared with k degrees of freedom where the others know nothing; three and more sigma.
+    // Nothing where the others know nothing.
     if (!(known > 0) || known >= 1 ||
-        -static_cast<double>(n) * std::log1p(-known) < k + 4 * std::sqrt(2 * k) + 6)
+        -static_cast<double>(n) * std::log1p(-known) < by_chance(k, 6))
       continue;
     for (Eigen::Index i = 0; i < n; ++i)
       result[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] +=
           sd[j] * (foretold[i] + known * (own[i] - foretold[i]));
   }
   return result;
+}
+
+double share_followed(const Eigen::MatrixXd& base, const Eigen::MatrixXd& outputs,
+                      const Eigen::VectorXd& smooth, const Eigen::VectorXd& taken,
+                      const Eigen::MatrixXd& shapes) {
+  const Eigen::Index n = base.rows(), count = shapes.cols(), before = base.cols() + count;
+  if (n < before + kRowsPerShape * count || !(taken.norm() > 0)) return 0;
+  Eigen::MatrixXd x(n, before + count);
+  const Eigen::VectorXd level = (smooth.array() - smooth.mean()).matrix();
+  x << base, level.asDiagonal() * shapes, taken.asDiagonal() * shapes;
+  const Eigen::RowVectorXd scale = x.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  x = x * scale.asDiagonal();
+  const auto left_by = [&](const Eigen::MatrixXd& columns) {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    qr.setThreshold(1e-9);
+    return Eigen::VectorXd((outputs - columns * qr.solve(outputs)).colwise().squaredNorm());
+  };
+  const Eigen::VectorXd without = left_by(x.leftCols(before)), with = left_by(x);
+  double gain = 0;
+  for (Eigen::Index o = 0; o < outputs.cols(); ++o)
+    if (without[o] > 0)
+      gain += static_cast<double>(n) * std::log(without[o] / std::max(with[o], 1e-12 * without[o]));
+  if (!(gain > by_chance(static_cast<double>(count * outputs.cols()), 10))) return 0;
+  // Of the output and shape that follow most: both coefficients, the second one's error.
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(x);
+  const Eigen::MatrixXd b = scale.transpose().asDiagonal() * Eigen::MatrixXd(qr.solve(outputs));
+  const Eigen::MatrixXd r = qr.matrixQR().topRows(x.cols());
+  const Eigen::MatrixXd inverse =
+      r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(x.cols(), x.cols()));
+  double share = 1, most = 0;
+  for (Eigen::Index o = 0; o < outputs.cols(); ++o) {
+    const double sd = std::sqrt(with[o] / static_cast<double>(n - x.cols()));
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Eigen::Index fast = before + k, slow = base.cols() + k;
+      const auto error_of = [&](Eigen::Index at) {
+        return sd * scale[at] * inverse.row(at).norm();
+      };
+      const double size = std::abs(b(fast, o)) / error_of(fast);
+      if (!(size > most)) continue;
+      most = size;
+      // A part only where it is clearly one: a ratio of uncertain numbers would be an error of its
+      // own.
+      const bool is_part = std::abs(b(slow, o) - b(fast, o)) >
+                           kClearlyLess * std::hypot(error_of(slow), error_of(fast));
+      share = is_part ? std::clamp(b(fast, o) / b(slow, o), 0.0, 1.0) : 1;
+    }
+  }
+  return share;
 }
 
 }  // namespace driftwise::diagnosis

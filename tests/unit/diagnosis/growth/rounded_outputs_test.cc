@@ -57,6 +57,35 @@ TEST(AnOutputReadInCoarseSteps, RaisesNoFalseCause) {
     }
 }
 
+// An axis of 100 mm over 20 places before a display of 1 um, and nothing hidden. On these places
+// the steps' saw-tooth is a wave of their own length.
+TEST(AnOutputReadInCoarseSteps, IsNoCyclicErrorOfTheStepsLength) {
+  for (const unsigned seed : {1U, 2U, 3U})
+    for (const double noise_mm : {25e-6, 60e-6}) {
+      std::mt19937_64 random(seed);
+      std::normal_distribution<double> normal;
+      Dataset data;
+      data.rows = 400;
+      std::vector<double> q, x, t01;
+      double part = 20;
+      for (std::size_t row = 0; row < data.rows; ++row) {
+        const std::size_t k = row % 40;
+        part += 0.02 * normal(random);
+        q.push_back(100.0 / 19 * static_cast<double>(k < 20 ? k : 39 - k));
+        const double at = q[row] * (1 + 30e-6) + 1e-7 * q[row] * q[row] + 400e-6 * (part - 20) +
+                          noise_mm * normal(random);
+        x.push_back(1e-3 * std::round(1e3 * at));
+        t01.push_back(part + 1.5e-3 * normal(random));
+        data.time_s.push_back(60.0 * static_cast<double>(row));
+        data.set.push_back(row / 20 % 3 == 2 ? PointSet::validation : PointSet::calibration);
+      }
+      data.columns = {{{"q1", "mm"}, q}, {{"x", "mm"}, x}, {{"t01", "degC"}, t01}};
+      const auto found = diagnosis::diagnosed(data, "q1 ~ x + x^2 + t01");
+      EXPECT_THAT(names_found(found), IsEmpty()) << seed << ", " << noise_mm;
+      EXPECT_EQ(found.verdict, Verdict::adequate) << seed << ", " << noise_mm;
+    }
+}
+
 TEST(AnOutputReadInCoarseSteps, HidesNoEffectThatIsLarger) {
   for (const char* formula : {"x ~ q1 + q1^2 + t01", "q1 ~ x + x^2 + t01"}) {
     DisplayedAxis jumps(11);
