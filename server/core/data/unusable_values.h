@@ -1,6 +1,8 @@
 #pragma once
-// Values of a dataset that no instrument can have measured: infinite, or beyond kLargest. A record
-// may hold them from before they were rejected; everything that computes takes them as missing.
+// Values of a dataset that no instrument can have measured: infinite, or beyond kLargestUsable. A
+// record may hold them from before they were rejected, and files of other programs hold the
+// overflow (9.9e37) and the missing value (9.91e37) of SCPI instruments. Everything that computes
+// takes them as missing.
 
 #include <optional>
 #include <string>
@@ -9,8 +11,8 @@
 
 namespace driftwise {
 
-// Squares and products of four of them are still finite.
-inline constexpr double kLargestUsable = 1e75;
+// Below 9.9e37: SCPI-99, volume 1, section 7.2.1. Products of ten such values are still finite.
+inline constexpr double kLargestUsable = 1e30;
 
 struct UsableDataset {
   Dataset data;          // those values as kMissing
