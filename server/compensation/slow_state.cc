@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/try.h"
+#include "server/effects/time_constant.h"
 
 namespace driftwise::compensation {
 
@@ -51,6 +52,12 @@ void SlowState::observe(std::span<const ChannelValue> values, CellTime at) {
     tracker.evaluator.step(seconds_from(at - *origin_), inputs, std::span(&output, 1));
     if (!is_missing(output)) tracker.output = output;
   }
+}
+
+double SlowState::longest_tau_s() const {
+  double longest = 0;
+  for (const auto& tracker : calls_) longest = std::max(longest, effects::tau_s(tracker.call));
+  return longest;
 }
 
 double SlowState::settled(const Tracker& tracker, std::span<const double> channels) {

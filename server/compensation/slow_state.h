@@ -52,6 +52,8 @@ class SlowState {
   std::vector<double> call_values(std::span<const double> channels_instead = {}) const;
   // Each effect's output in equilibrium with these channel values, whatever it saw.
   std::vector<double> settled_calls(std::span<const double> channels) const;
+  // Of all effects, the longest time constant in seconds; 0: none has one.
+  double longest_tau_s() const;
   // By how much each effect's output grows per unit of each channel, once it has settled: calls x
   // channels. A constant error of a sensor arrives so.
   CallSlopes settled_slopes(std::span<const double> channels) const;

@@ -80,7 +80,11 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   const auto calls = slow_.call_values();
   for (std::size_t i = 0; i < calls.size(); ++i)
     if (is_missing(calls[i]))
-      return incomplete("history of " + slow_.channels()[slow_.channels_of_call(i).front()].name());
+      return fail(ErrorCode::failed_precondition, reasons::kIncompleteDatum,
+                  "the recorded readings of " +
+                      slow_.channels()[slow_.channels_of_call(i).front()].name() +
+                      " begin after the zero of this datum, and the model needs those before it: "
+                      "take the zero again");
   std::array<double, kVariables> pose{};  // zeroed here, so all 0 but the force
   double force_n = 0;
   if (basis_.needed() & bit(Variable::force)) {
@@ -122,6 +126,13 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   column_shift_ = shift;
   anchored_ = true;
   return {};
+}
+
+void SnapshotBuilder::keep_anchor_of(const SnapshotBuilder& other) {
+  datum_ = other.datum_;
+  zero_excess_ = other.zero_excess_;
+  column_shift_ = other.column_shift_;
+  anchored_ = other.anchored_;
 }
 
 void SnapshotBuilder::keep_model_datum() {

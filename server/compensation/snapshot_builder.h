@@ -19,6 +19,7 @@
 #include "server/core/data/reading.h"
 #include "server/core/description/cell_description.h"
 #include "server/core/result.h"
+#include "server/effects/time_constant.h"
 
 namespace driftwise::compensation {
 
@@ -50,6 +51,11 @@ class SnapshotBuilder {
 
   // Full names of the channels that observe() does not pass over.
   std::vector<std::string> observed_channels() const;
+  // How far back readings count: until effects with memory have forgotten what was before
+  // (effects::kForgottenTaus). 0: the model has no such effect.
+  Nanoseconds memory() const {
+    return nanoseconds_from_s(effects::kForgottenTaus * slow_.longest_tau_s());
+  }
 
   // The zero of the present datum: motor coordinates read back (and force, where the model has it)
   // at pose 0, with every temperature at that instant. From here on q = q_zero + f(pose + p0, now)
@@ -58,10 +64,13 @@ class SnapshotBuilder {
   // model has another number of motors than of axes, or that is more than 2 % of a fitted range
   // away. A coordinate of the pose was zeroed with the datum: its q_zero and p0 are 0. Effects with
   // memory count as they stand when this is called. Without it targets stay
-  // in the model's datum and are flagged. Errors: failed_precondition, INCOMPLETE_DATUM, naming the
-  // channel that is not among the values; the datum before is no longer present, so targets are
-  // those without one.
+  // in the model's datum and are flagged. So a datum of the past is anchored in a replay, after the
+  // readings up to its zero. Errors: failed_precondition, INCOMPLETE_DATUM, naming the channel that
+  // is not among the values, or the one of an effect that has seen no reading yet; the datum before
+  // is no longer present, so targets are those without one.
   Result<void> anchor(std::span<const ChannelValue> values);
+  // The datum that another builder of the same model was anchored in.
+  void keep_anchor_of(const SnapshotBuilder& other);
   // The present datum is the model's own: nothing to shift.
   void keep_model_datum();
 

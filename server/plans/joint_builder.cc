@@ -135,6 +135,12 @@ std::vector<std::string> JointBuilder::observed_channels() const {
   return names;
 }
 
+Nanoseconds JointBuilder::memory() const {
+  Nanoseconds longest{};
+  for (const auto& part : parts_) longest = std::max(longest, part.builder.memory());
+  return longest;
+}
+
 void JointBuilder::observe(std::span<const ChannelValue> values, CellTime at) {
   for (auto& part : parts_) part.builder.observe(values, at);  // slow channels carry no robot's id
 }

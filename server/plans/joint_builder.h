@@ -33,6 +33,7 @@ class JointBuilder {
 
   // Full names of the channels that observe() does not pass over, each once.
   std::vector<std::string> observed_channels() const;
+  Nanoseconds memory() const;  // the longest of the models'
 
   // As SnapshotBuilder::anchor, of every part. own: this model was fitted in the present datum.
   // Answers with what did not fit, a sentence each.

@@ -47,22 +47,22 @@ Awaitable<Result<void>> JointServing::serve(PlanId id, plans::ServingPlan plan,
     origins[model] = co_await origin_of(content, reader_, description_.hash);
   DRIFTWISE_CO_TRY(auto builder,
                    plans::JointBuilder::create(std::move(plan), id, models, description_));
-  const auto stored = co_await reader_.call(
-      [cell = &description_, now = clock_.now().utc](Store& store,
-                                                     const std::vector<std::string>& channels) {
-        return readings_for_memory(store, *cell, channels, now);
-      },
-      builder.observed_channels());
-  if (stored)
-    for (const auto& reading : *stored) builder.observe(reading);
-  // Readings that have not reached the disk yet.
-  for (const auto& latest : recorder_.history().latest()) {
-    const ChannelValue value{latest.channel, latest.value};
-    if (!is_missing(latest.value)) builder.observe({&value, 1}, latest.at);
-  }
+  std::vector<Reading> readings;
+  std::optional<DatumId> datum;
+  do {
+    datum = serving_.datum() ? std::optional(serving_.datum()->id) : std::nullopt;
+    MemoryQuery wanted{builder.observed_channels(), builder.memory(), zero_of(serving_.datum())};
+    auto stored = co_await reader_.call(
+        [cell = &description_, now = clock_.now().utc](Store& store, const MemoryQuery& query) {
+          return readings_for_memory(store, *cell, query, now);
+        },
+        std::move(wanted));
+    readings = stored ? std::move(*stored) : std::vector<Reading>();
+  } while (serving_.datum() && serving_.datum()->id != datum);  // zeroed meanwhile
+  append_latest(recorder_, readings);
   followed_.emplace(Followed{id, std::move(builder), std::move(origins), {}});
   refused_.reset();
-  anchor();
+  replay(readings, zero_of(serving_.datum()), followed_->builder, [this] { anchor(); });
   rebuild();
   co_return Result<void>{};
 }

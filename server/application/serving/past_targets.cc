@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/application/serving/memory.h"
 #include "server/compensation/correction_parts.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/try.h"
@@ -10,7 +11,7 @@
 namespace driftwise::application {
 namespace {
 
-constexpr Nanoseconds kReadBack = std::chrono::hours(6);  // longer than any lag the catalogue fits
+constexpr Nanoseconds kReadBack = std::chrono::hours(6);  // in the same means as the answer
 
 std::vector<std::string> slow_channels(const compensation::Snapshot& snapshot) {
   std::vector<std::string> out;
@@ -24,6 +25,22 @@ std::vector<ChannelValue> values_of(const SeriesAnswer& series, std::size_t buck
   for (const auto& column : series.columns)
     if (column.count[bucket] > 0) out.push_back({column.channel, column.mean[bucket]});
   return out;
+}
+
+// The datum counts from its zero, where effects with memory stood as the readings before it say.
+Result<void> anchor(Store& store, const CellDescription& cell, const DatumRecord& datum,
+                    compensation::SnapshotBuilder& builder) {
+  auto at_zero = builder;
+  if (builder.memory() > Nanoseconds(0)) {
+    const MemoryQuery query{builder.observed_channels(), builder.memory(), {}};
+    DRIFTWISE_TRY(const auto readings,
+                  readings_for_memory(store, cell, query, datum.opened.utc + Nanoseconds(1)));
+    for (const auto& reading : readings)
+      if (reading.middle() <= datum.opened.utc) at_zero.observe(reading);
+  }
+  DRIFTWISE_RETURN_IF_ERROR(at_zero.anchor(datum.values));
+  builder.keep_anchor_of(at_zero);
+  return {};
 }
 
 // kMissing where nothing was measured: a gap is a gap.
@@ -50,7 +67,7 @@ Result<PastTargets> past_targets(Store& store, const CellDescription& cell, Past
   if (from.own_datum) {
     builder.keep_model_datum();
   } else if (from.datum) {
-    DRIFTWISE_RETURN_IF_ERROR(builder.anchor(from.datum->values));
+    DRIFTWISE_RETURN_IF_ERROR(anchor(store, cell, *from.datum, builder));
   }
   PastTargets out;
   out.model = from.id;
@@ -65,6 +82,12 @@ Result<PastTargets> past_targets(Store& store, const CellDescription& cell, Past
   wanted.channels = slow_channels(empty);
   if (wanted.channels.empty()) return out;
   wanted.from = now - query.past - kReadBack;
+  if (builder.memory() > kReadBack) {
+    DRIFTWISE_TRY(const auto before,
+                  means_for_memory(store, wanted.channels, now - query.past - builder.memory(),
+                                   wanted.from, kMemoryMeans));
+    for (const auto& reading : before) builder.observe(reading);
+  }
   wanted.to = now;
   const double share =
       static_cast<double>(kReadBack.count()) / static_cast<double>(query.past.count());

@@ -20,8 +20,9 @@ struct PastModel {
   bool own_datum = false;            // it is the one that the model was fitted in
 };
 
-// Reads the means of every slow channel of the model between two instants, and those of six hours
-// before the first so that effects with memory have one; at the zero they count as in equilibrium.
+// Reads the means of every slow channel of the model between two instants, and those before the
+// first that effects with memory need (six hours, SnapshotBuilder::memory()). In a carried datum
+// such effects count as they stood at its zero, by the readings before that.
 // Pure but for the store. Errors: those of SnapshotBuilder::create, anchor and of a target that is
 // refused for what the request states (MISSING_COORDINATE, NOT_FINITE); of the store.
 Result<PastTargets> past_targets(Store& store, const CellDescription& cell, PastModel from,

@@ -48,27 +48,29 @@ Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
   DRIFTWISE_CO_TRY(auto builder, compensation::SnapshotBuilder::create(std::move(model), record.id,
                                                                        description_));
   Followed followed{std::move(builder), std::move(origin)};
-  const auto stored = co_await reader_.call(
-      [cell = &description_, now = clock_.now().utc](Store& store,
-                                                     const std::vector<std::string>& channels) {
-        return readings_for_memory(store, *cell, channels, now);
-      },
-      followed.builder.observed_channels());
-  if (stored)
-    for (const auto& reading : *stored) followed.builder.observe(reading);
-  // What has not reached the disk yet.
-  for (const auto& latest : recorder_.history().latest()) {
-    const ChannelValue value{latest.channel, latest.value};
-    if (!is_missing(latest.value)) followed.builder.observe({&value, 1}, latest.at);
-  }
+  // Effects with memory count in the datum as they stood at its zero.
+  std::vector<Reading> readings;
+  std::optional<DatumId> datum;
+  do {
+    datum = datum_ ? std::optional(datum_->id) : std::nullopt;
+    MemoryQuery wanted{followed.builder.observed_channels(), followed.builder.memory(),
+                       zero_of(datum_)};
+    auto stored = co_await reader_.call(
+        [cell = &description_, now = clock_.now().utc](Store& store, const MemoryQuery& query) {
+          return readings_for_memory(store, *cell, query, now);
+        },
+        std::move(wanted));
+    readings = stored ? std::move(*stored) : std::vector<Reading>();
+  } while (datum_ && datum_->id != datum);  // zeroed meanwhile
+  append_latest(recorder_, readings);
+  replay(readings, zero_of(datum_), followed.builder, [&] { set_anchor(record.id, followed); });
   co_return followed;
 }
 
 Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
   if (model) {
     DRIFTWISE_CO_TRY(auto loaded, co_await load(*model));
-    const auto [entry, _] = followed_.insert_or_assign(model->id, std::move(loaded));
-    set_anchor(model->id, entry->second);
+    followed_.insert_or_assign(model->id, std::move(loaded));
     serving_ = model->id;
   } else {
     serving_.reset();
@@ -89,8 +91,7 @@ void Serving::refuse(ModelId model, Error why) {
 Awaitable<Result<void>> Serving::follow(ModelRecord model) {
   if (followed_.contains(model.id)) co_return Result<void>{};
   DRIFTWISE_CO_TRY(auto loaded, co_await load(model));
-  const auto [entry, _] = followed_.insert_or_assign(model.id, std::move(loaded));
-  set_anchor(model.id, entry->second);
+  followed_.insert_or_assign(model.id, std::move(loaded));
   co_return Result<void>{};
 }
 

@@ -316,6 +316,54 @@ TEST(SnapshotBuilder, AThermometerThatFellSilentIsAsUncertainBehindALag) {
   EXPECT_NEAR(u_nm(lagged, 0), u_nm(plain, 0), 1e-6);  // the certificate's error, both
 }
 
+// q1 = x + 1 um/K behind a lag.
+calibration::Model lagging_model(double tau_s) {
+  auto model = axis_model();
+  auto& q1 = model.outputs[0];
+  q1.terms = {term({}), term({power("x")}), {{effects::Call{"lag", {"t07"}, {{tau_s, "s"}}}}}};
+  q1.coefficients.resize(3);
+  q1.coefficients << 0, 1, 1e-3;
+  q1.covariance = Eigen::MatrixXd::Identity(3, 3) * 1e-16;
+  return model;
+}
+
+CellTime hours_from_zero(double hours) { return kBuiltAt + nanoseconds_from_s(hours * 3600); }
+
+// The room rises by 0.5 K/h from the zero on.
+void observe_ramp(SnapshotBuilder& builder, double from_h, double to_h) {
+  for (double h = from_h; h <= to_h + 1e-9; h += 1.0 / 360)
+    observe(builder, 20.5 + 0.5 * std::max(0.0, h), hours_from_zero(h));
+}
+
+const std::vector<ChannelValue> kZeroOfRamp = {{"q1_mm", 0.0}, {"t07_degC", 20.5}};
+
+TEST(SnapshotBuilder, IsAnchoredByAnotherThatSawTheReadingsUpToTheZero) {
+  const auto model = lagging_model(3600);
+  auto at_zero = builder_of(model), now = builder_of(model);
+  observe_ramp(at_zero, -10, 0);
+  ASSERT_TRUE(at_zero.anchor(kZeroOfRamp));
+  observe_ramp(now, -10, 3);
+  now.keep_anchor_of(at_zero);
+  const auto target = target_at(now, 1, hours_from_zero(3));
+  EXPECT_EQ(target.flags, 0u);
+  const double lagged = 0.5 * (3 - (1 - std::exp(-3.0)));  // of a ramp, by hand
+  EXPECT_NEAR(target.q_mm[0], 1 + 1e-3 * lagged, 1e-7 * lagged);
+}
+
+TEST(SnapshotBuilder, SaysThatReadingsBeginAfterTheZeroOfADatum) {
+  auto builder = builder_of(lagging_model(3600));
+  const auto anchored = builder.anchor(kZeroOfRamp);
+  ASSERT_FALSE(anchored);
+  EXPECT_EQ(anchored.error().reason, "INCOMPLETE_DATUM");
+  EXPECT_NE(anchored.error().message.find("begin after the zero"), std::string::npos)
+      << anchored.error().message;
+}
+
+TEST(SnapshotBuilder, NeedsReadingsOfTenTimeConstants) {
+  EXPECT_EQ(builder_of(axis_model()).memory(), Nanoseconds(0));
+  EXPECT_EQ(builder_of(lagging_model(43200)).memory(), std::chrono::hours(120));
+}
+
 TEST(SnapshotBuilder, IgnoresAReadingThatArrivesLate) {
   auto builder = builder_of(axis_model());
   observe(builder, 21);
