@@ -12,6 +12,7 @@ std::size_t SlowState::add_channel(const Channel& channel) {
   channels_.push_back(channel);
   names_.push_back(channel.name());
   latest_.emplace_back();
+  before_first_.push_back(0);
   return channels_.size() - 1;
 }
 
@@ -26,7 +27,7 @@ Result<std::size_t> SlowState::add_call(const effects::Call& call) {
     if (calls_[i].call == call) return i;
   DRIFTWISE_TRY(auto evaluator,
                 effects::TermEvaluator::create({effects::Term{{call}}}, call.symbols));
-  Tracker tracker{call, std::move(evaluator), {}, kMissing};
+  Tracker tracker{call, std::move(evaluator), {}};
   for (const auto& symbol : call.symbols) tracker.channels.push_back(find(symbol).value());
   calls_.push_back(std::move(tracker));
   return calls_.size() - 1;
@@ -48,10 +49,39 @@ void SlowState::observe(std::span<const ChannelValue> values, CellTime at) {
     std::vector<double> inputs;
     for (const std::size_t i : tracker.channels) inputs.push_back(latest_[i].value);
     if (!origin_) origin_ = at;
+    const double time_s = seconds_from(at - *origin_);
+    const bool first = is_missing(tracker.output);
     double output = kMissing;
-    tracker.evaluator.step(seconds_from(at - *origin_), inputs, std::span(&output, 1));
-    if (!is_missing(output)) tracker.output = output;
+    tracker.evaluator.step(time_s, inputs, std::span(&output, 1));
+    if (is_missing(output)) continue;
+    tracker.output = output;
+    if (first) begin_twin(tracker, time_s, inputs);
+    if (tracker.twin) tracker.twin->step(time_s, inputs, std::span(&tracker.twin_output, 1));
   }
+}
+
+void SlowState::begin_twin(Tracker& tracker, double time_s, std::span<const double> inputs) const {
+  constexpr double kBefore_s = 1e-3;  // short against every time constant
+  std::vector<double> other(inputs.begin(), inputs.end());
+  bool differs = false;
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    other[i] += before_first_[tracker.channels[i]];
+    differs = differs || other[i] != inputs[i];
+  }
+  if (!differs) return;
+  auto twin = effects::TermEvaluator::create({effects::Term{{tracker.call}}}, tracker.call.symbols);
+  if (!twin) return;
+  twin->step(time_s - kBefore_s, other, std::span(&tracker.twin_output, 1));
+  tracker.twin = std::move(*twin);
+}
+
+std::vector<double> SlowState::call_shifts() const {
+  std::vector<double> out;
+  for (const auto& tracker : calls_) {
+    const double shift = tracker.twin ? tracker.twin_output - tracker.output : 0;
+    out.push_back(is_missing(shift) ? 0 : shift);
+  }
+  return out;
 }
 
 double SlowState::longest_tau_s() const {
@@ -109,6 +139,18 @@ double value_of(const SlowProduct& product, std::span<const double> channels,
     value *= effects::power(channels[factor.index], factor.exponent);
   for (const std::size_t call : product.calls) value *= calls[call];
   return value;
+}
+
+double derivative_by_call(const SlowProduct& product, std::size_t call,
+                          std::span<const double> channels, std::span<const double> calls) {
+  double powers = 1, of_calls = 1, slope = 0;
+  for (const auto& factor : product.powers)
+    powers *= effects::power(channels[factor.index], factor.exponent);
+  for (const std::size_t one : product.calls) {
+    slope = slope * calls[one] + (one == call ? of_calls : 0);
+    of_calls *= calls[one];
+  }
+  return powers * slope;
 }
 
 double derivative_of(const SlowProduct& product, std::size_t channel,

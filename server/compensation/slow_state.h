@@ -47,11 +47,17 @@ class SlowState {
   const std::vector<Channel>& channels() const { return channels_; }
   const std::vector<Latest>& latest() const { return latest_; }
   std::optional<std::size_t> find(const std::string& symbol) const;
+  // u: standard uncertainty of what the channel was before its first reading; 0: it was the same.
+  void set_before_first(std::size_t channel, double u) { before_first_[channel] = u; }
   // Each effect's present output. One that saw nothing yet: in equilibrium with these channel
   // values (one per channel), NaN when none are given.
   std::vector<double> call_values(std::span<const double> channels_instead = {}) const;
   // Each effect's output in equilibrium with these channel values, whatever it saw.
   std::vector<double> settled_calls(std::span<const double> channels) const;
+  // What each effect's present output owes to the time before its first reading, as a standard
+  // uncertainty with its sign: the output of a twin whose channels were higher before then by
+  // set_before_first(), minus the output. 0 for an effect that saw nothing.
+  std::vector<double> call_shifts() const;
   // Of all effects, the longest time constant in seconds; 0: none has one.
   double longest_tau_s() const;
   // By how much each effect's output grows per unit of each channel, once it has settled: calls x
@@ -68,11 +74,16 @@ class SlowState {
         evaluator;  // of this one effect, stepped when one of its channels has news
     std::vector<std::size_t> channels;
     double output = kMissing;
+    // The same effect with another past; none until the first reading, and when no spread is known.
+    std::optional<effects::TermEvaluator> twin{};
+    double twin_output = kMissing;
   };
+  void begin_twin(Tracker& tracker, double time_s, std::span<const double> inputs) const;
   static double settled(const Tracker& tracker, std::span<const double> channels);
   std::vector<Channel> channels_;
   std::vector<std::string> names_;
   std::vector<Latest> latest_;
+  std::vector<double> before_first_;  // per channel; 0: not set
   std::vector<Tracker> calls_;
   std::optional<CellTime>
       origin_;  // effects count seconds from here: small numbers keep their digits
@@ -80,6 +91,9 @@ class SlowState {
 
 double value_of(const SlowProduct& product, std::span<const double> channels,
                 std::span<const double> calls);
+// By the output of one effect.
+double derivative_by_call(const SlowProduct& product, std::size_t call,
+                          std::span<const double> channels, std::span<const double> calls);
 // By one channel. Effects with memory count with the slope that they settle at: 1 of a lag, 0 of a
 // rate.
 double derivative_of(const SlowProduct& product, std::size_t channel,

@@ -107,6 +107,7 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   basis_.evaluate(pose, basis);
 
   const auto call_slopes = slow_.settled_slopes(channels);
+  const auto call_shifts = slow_.call_shifts();
   std::vector<Datum> data;
   for (const auto& output : outputs_) {
     Datum datum;
@@ -118,6 +119,12 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
       for (const auto& term : output.terms)
         slopes.push_back(basis[term.basis] *
                          derivative_of(term.slow, j, channels, calls, call_slopes));
+    }
+    for (std::size_t i = 0; i < call_shifts.size(); ++i) {
+      auto& shifts = datum.term_shifts.emplace_back();
+      for (const auto& term : output.terms)
+        shifts.push_back(basis[term.basis] * call_shifts[i] *
+                         derivative_by_call(term.slow, i, channels, calls));
     }
     data.push_back(std::move(datum));
   }

@@ -56,6 +56,8 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
 
   for (const auto& channel : made.slow_.channels()) {
     const auto range = widened(made.range_of(channel));
+    if (const double width = range.max - range.min; std::isfinite(width))
+      made.slow_.set_before_first(made.slow_inputs_.size(), width / std::sqrt(12.0));
     made.slow_inputs_.push_back({range.min, range.max, 0.0});
     for (const auto& device : cell.devices)
       for (const auto& probe : device.probes())
@@ -346,6 +348,7 @@ SnapshotBuilder::Conditions SnapshotBuilder::look_at_inputs(CellTime now,
   }
   conditions.calls = slow_.call_values(conditions.channels);
   conditions.call_slopes = slow_.settled_slopes(conditions.channels);
+  conditions.call_shifts = slow_.call_shifts();
   conditions.middle_calls = slow_.settled_calls(conditions.middle);
   return conditions;
 }

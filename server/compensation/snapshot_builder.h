@@ -52,7 +52,8 @@ class SnapshotBuilder {
   // Full names of the channels that observe() does not pass over.
   std::vector<std::string> observed_channels() const;
   // How far back readings count: until effects with memory have forgotten what was before
-  // (effects::kForgottenTaus). 0: the model has no such effect.
+  // (effects::kForgottenTaus). 0: the model has no such effect. Where the readings begin later, the
+  // past is uncertain by the fitted range of the channel, in the line `temperatures`.
   Nanoseconds memory() const {
     return nanoseconds_from_s(effects::kForgottenTaus * slow_.longest_tau_s());
   }
@@ -115,10 +116,12 @@ class SnapshotBuilder {
     double q_mm = 0;
     std::vector<double> term_values;  // of every term: f(0, then) = sum of coefficient * value
     std::vector<std::vector<double>> term_slopes;  // [slow channel][term]: by that channel
+    std::vector<std::vector<double>> term_shifts;  // [effect][term]: by what it did not see
   };
   struct Conditions {  // the slow side at the instant of building
     std::vector<double> channels, calls, u_systematic, u_independent;
     CallSlopes call_slopes;
+    std::vector<double> call_shifts;           // SlowState::call_shifts
     std::vector<double> middle, middle_calls;  // of the fitted ranges, in equilibrium
   };
 

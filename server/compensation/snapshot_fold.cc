@@ -140,6 +140,20 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
     }
     add_root(UncertaintySource::temperatures, slope, now.u_systematic[j]);
   }
+  // Readings began while an effect with memory still had to do with what was before: one unknown
+  // past, now and at the zero.
+  for (std::size_t i = 0; i < now.call_shifts.size(); ++i) {
+    std::vector<Wide> root(size, 0);
+    for (std::size_t k = 0; k < terms; ++k) {
+      const Wide c = model.terms[k].coefficient;
+      root[model.terms[k].basis] +=
+          c * static_cast<Wide>(now.call_shifts[i]) *
+          derivative_by_call(model.terms[k].slow, i, now.channels, now.calls);
+      if (datum) root[0] -= c * static_cast<Wide>(datum->term_shifts[i][k]);
+    }
+    const bool any = std::ranges::any_of(root, [](Wide value) { return value != 0; });
+    add_root(UncertaintySource::temperatures, root, any ? 1 : 0);
+  }
   for (const auto& error : model.systematics) {
     auto root = folded(error.shift, datum != nullptr && error.shared_with_zero);
     if (!datum && error.in_rows.size() > 0) {

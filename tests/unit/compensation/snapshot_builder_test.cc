@@ -295,7 +295,12 @@ TEST(SnapshotBuilder, AThermometerThatFellSilentIsAsUncertainBehindALag) {
     model.outputs[0].terms[3] = temperature;
     auto builder = builder_of(model);
     builder.keep_model_datum();
-    if (age_s >= 0) observe(builder, 21, kBuiltAt - nanoseconds_from_s(age_s));
+    if (age_s >= 0) {
+      const auto newest = kBuiltAt - nanoseconds_from_s(age_s);
+      observe(builder, 21,
+              newest - std::chrono::hours(10));  // 60 time constants: its past is known
+      observe(builder, 21, newest);
+    }
     TargetRequest request;
     request.set(Variable::x, 0);
     const auto budget = compute_budget(builder.build(kBuiltAt), request, 0);
@@ -362,6 +367,51 @@ TEST(SnapshotBuilder, SaysThatReadingsBeginAfterTheZeroOfADatum) {
 TEST(SnapshotBuilder, NeedsReadingsOfTenTimeConstants) {
   EXPECT_EQ(builder_of(axis_model()).memory(), Nanoseconds(0));
   EXPECT_EQ(builder_of(lagging_model(43200)).memory(), std::chrono::hours(120));
+}
+
+double temperatures_nm(const SnapshotBuilder& builder, CellTime now) {
+  TargetRequest request;
+  request.set(Variable::x, 1);
+  const auto budget = compute_budget(builder.build(now), request, 0);
+  for (std::size_t i = 0; i < budget.lines; ++i)
+    if (budget.line[i].source == UncertaintySource::temperatures) return budget.line[i].u_nm;
+  return 0;
+}
+
+void observe_constant(SnapshotBuilder& builder, double from_h, double to_h) {
+  constexpr int kReadings = 4000;
+  for (int i = 0; i <= kReadings; ++i)
+    observe(builder, 21, hours_from_zero(from_h + (to_h - from_h) * i / kReadings));
+}
+
+// The thermometer was somewhere in its fitted range of 2 K (a hundredth wider) before its first
+// reading, and 1 um/K of that dies away with the time constant.
+constexpr double kUnknownPast_nm = 1e3 * 2 * 1.01 / 3.4641016;
+constexpr double kCertificate_nm = 1e3 * 0.002;
+
+TEST(SnapshotBuilder, AMemoryThatBeganLatelyIsUncertainByTheFittedRange) {
+  for (const double tau_h : {3.0, 12.0})
+    for (const double age_h : {1.0, 6.0, 30.0, 200.0}) {
+      auto builder = builder_of(lagging_model(tau_h * 3600));
+      builder.keep_model_datum();
+      observe_constant(builder, -age_h, 0);
+      EXPECT_NEAR(temperatures_nm(builder, hours_from_zero(0)),
+                  std::hypot(kUnknownPast_nm * std::exp(-age_h / tau_h), kCertificate_nm), 0.1)
+          << tau_h << " h, read for " << age_h << " h";
+    }
+}
+
+// What was before the readings is the same past at the zero and after it.
+TEST(SnapshotBuilder, AMemoryThatBeganLatelyBeforeTheZeroStaysUncertainInThatDatum) {
+  auto builder = builder_of(lagging_model(3600));
+  observe_constant(builder, -1, 0);
+  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 21.0}}));
+  EXPECT_NEAR(temperatures_nm(builder, hours_from_zero(0)), 0, 1e-6);
+  observe_constant(builder, 0, 1);
+  const double at_zero_nm = kUnknownPast_nm * std::exp(-1.0);
+  EXPECT_NEAR(temperatures_nm(builder, hours_from_zero(1)), at_zero_nm * (1 - std::exp(-1.0)), 0.1);
+  observe_constant(builder, 1, 60);
+  EXPECT_NEAR(temperatures_nm(builder, hours_from_zero(60)), at_zero_nm, 0.1);
 }
 
 TEST(SnapshotBuilder, IgnoresAReadingThatArrivesLate) {
