@@ -16,6 +16,11 @@
 
 namespace driftwise::diagnosis {
 
+struct ReadBefore {  // readings of one instant, in the time_s of the run's data
+  double time_s = 0;
+  std::vector<ChannelValue> values;
+};
+
 struct RunToCheck {
   RunId run;
   Dataset data;  // of this run alone
@@ -25,6 +30,11 @@ struct RunToCheck {
   // Per datum of the data: p0 of every axis by channel; poses of the data count from it. Empty: 0.
   // in_model_datum() fills it.
   std::vector<std::vector<ChannelValue>> zero_poses = {};
+  // Of effects with memory (check_memory.h): when each zero was taken, in the data's time_s, and
+  // what was read before the first row, oldest first. Empty: not known.
+  std::vector<double> zero_times_s = {};
+  std::vector<ReadBefore> before = {};
+  std::string unknown_memory = {};  // a sentence; with_effects_as_channels() fills it
 };
 
 // The run's poses as the model has them: those of every datum from its p0. With a known zero p0 is

@@ -9,6 +9,7 @@
 #include "server/core/data/accuracy.h"
 #include "server/core/units.h"
 #include "server/diagnosis/answer/discrepancy.h"
+#include "server/diagnosis/check/check_memory.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -194,7 +195,8 @@ OutputCheck check_output(const calibration::Model& model, const calibration::Out
     if (!errors) {
       point.why_not = errors.error().message;
     } else if (errors->rows == 0) {
-      point.why_not = "no row has every channel that the model needs";
+      point.why_not = run.unknown_memory.empty() ? "no row has every channel that the model needs"
+                                                 : run.unknown_memory;
     } else {
       point.rows = errors->rows;
       charts.judge(*errors, output.channel.symbol, check.unit, point);
@@ -211,10 +213,12 @@ OutputCheck check_output(const calibration::Model& model, const calibration::Out
 
 CheckReport check_model(const calibration::Model& model, std::span<const RunToCheck> runs) {
   CheckReport report;
+  const auto plain = with_effects_as_channels(model);
   std::vector<RunToCheck> moved;
-  for (const auto& run : runs) moved.push_back(in_model_datum(model, run));
-  for (const auto& output : model.outputs)
-    report.outputs.push_back(check_output(model, output, moved));
+  for (const auto& run : runs)
+    moved.push_back(in_model_datum(plain, with_effects_as_channels(model, run)));
+  for (const auto& output : plain.outputs)
+    report.outputs.push_back(check_output(plain, output, moved));
   for (std::size_t back = runs.size(); back-- > 0;) {
     bool judged = false;
     for (const auto& output : report.outputs) {

@@ -61,6 +61,8 @@ struct CheckReport {
 };
 
 // runs: in order of time. One that lacks a channel, or has too few rows, is not judged and says so.
+// Rows at which an effect with memory is not known (check_memory.h) are not judged, and a zero at
+// which it is not counts as none.
 CheckReport check_model(const calibration::Model& model, std::span<const RunToCheck> runs);
 
 }  // namespace driftwise::diagnosis
