@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 #include "server/compensation/snapshot.h"
 #include "server/core/channel.h"
@@ -13,6 +14,7 @@
 #include "server/formats/export/model_c_parts.h"
 #include "server/formats/export/model_c_text.h"
 #include "server/formats/text/text.h"
+#include "server/plans/robot_parts.h"
 
 namespace driftwise::formats {
 namespace {
@@ -128,8 +130,16 @@ std::string comment_safe(std::string text) {
   return text;
 }
 
-std::string head_comment(const calibration::Model& model, const std::string& function,
-                         const CInputs& inputs) {
+// "no id, ma": ids as a message lists them.
+std::string ids_of(const std::set<std::string>& robots) {
+  std::string out;
+  for (const auto& id : robots) out += (out.empty() ? "" : ", ") + (id.empty() ? "no id" : id);
+  return out;
+}
+
+// robot: its id, which the names do not have; empty: none.
+std::string head_comment(const calibration::Model& model, const std::string& robot,
+                         const std::string& function, const CInputs& inputs) {
   std::string outputs;
   for (const auto& output : model.outputs)
     outputs += (outputs.empty() ? "" : ", ") + output.channel.name();
@@ -139,8 +149,8 @@ std::string head_comment(const calibration::Model& model, const std::string& fun
          "\n"
          " * source: " +
          comment_safe(model.lineage.source) + ", " +
-         std::to_string(model.lineage.rows_calibration) +
-         " calibration rows\n"
+         std::to_string(model.lineage.rows_calibration) + " calibration rows\n" +
+         (robot.empty() ? "" : " * robot: " + comment_safe(robot) + "\n") +
          " *\n"
          " * pose: " +
          list_of(inputs.pose) +
@@ -319,7 +329,7 @@ std::string self_test(const calibration::Model& model, const std::string& functi
 
 }  // namespace
 
-Result<std::string> write_model_c(const calibration::Model& model, const std::string& name) {
+Result<std::string> write_model_c(const calibration::Model& stored, const std::string& name) {
   const bool good_name =
       !name.empty() && name.size() <= 64 && std::ranges::all_of(name, [](unsigned char c) {
         return c < 0x80 && (std::isalnum(c) || c == '_');
@@ -327,6 +337,14 @@ Result<std::string> write_model_c(const calibration::Model& model, const std::st
   if (!good_name)
     return fail(ErrorCode::invalid_argument, reasons::kBadName,
                 "found the name " + shown(name) + ", expected letters, digits and '_', at most 64");
+  // A robot with an id: "ma.x" is its pose, as "x" of a robot without one.
+  const auto robots = plans::robots_of(stored);
+  const std::string robot = robots.empty() ? "" : *robots.begin();
+  if (robots.size() > 1)
+    return fail(ErrorCode::failed_precondition, reasons::kNotExportable,
+                "the model has channels of several robots (" + ids_of(robots) +
+                    "): a C function has the pose of one; fit each robot for itself");
+  DRIFTWISE_TRY(const auto model, plans::part_of_robot(stored, robot));
   DRIFTWISE_TRY(const auto inputs, collect_inputs(model));
   const auto ranges = inputs.all();
   if (ranges.size() > 31)
@@ -334,7 +352,7 @@ Result<std::string> write_model_c(const calibration::Model& model, const std::st
                 "the model reads " + std::to_string(ranges.size()) +
                     " channels, at most 31 have a bit in the answer");
   const std::string function = "driftwise_model_" + name;
-  std::string code = head_comment(model, function, inputs);
+  std::string code = head_comment(model, robot, function, inputs);
   code += "int " + function +
           "(const double *pose, const double *temperatures, double *q) {\n  int outside = 0;\n  "
           "(void)pose;\n  (void)temperatures;\n";

@@ -5,8 +5,9 @@
 //   int driftwise_model_<name>(const double *pose, const double *temperatures, double *q);
 //
 // pose, temperatures, q: arrays whose order and units stand in the file's head comment (pose holds
-// what a request states, force included; temperatures every other channel). Returned: 0, or a bit
-// per input outside the fitted domain, pose first. The arithmetic is that of
+// what a request states, force included; temperatures every other channel). Of a robot with an id
+// the names are without it ("x_mm" of "ma.x_mm"), and the head comment has the id. Returned: 0, or
+// a bit per input outside the fitted domain, pose first. The arithmetic is that of
 // effects::TermEvaluator, product by product in the same order: without contraction
 // (-ffp-contract=off, the default of -std=c99 in GCC) the results are the same to the last bit.
 // Two further functions carry it to another zero, as serving does (docs/decisions/0005):
@@ -25,7 +26,8 @@ namespace driftwise::formats {
 
 // name: a part of a C identifier (letters, digits, '_').
 // Errors: invalid_argument, BAD_NAME; failed_precondition, NOT_EXPORTABLE, naming the term: an
-// effect with memory is no function of the present values; a channel without its fitted range.
+// effect with memory is no function of the present values; a channel without its fitted range;
+// channels of several robots.
 Result<std::string> write_model_c(const calibration::Model& model, const std::string& name);
 
 }  // namespace driftwise::formats

@@ -12,7 +12,10 @@
 #include <iterator>
 #include <random>
 
+#include "server/compensation/snapshot_builder.h"
+#include "server/compensation/target.h"
 #include "server/formats/text/text.h"
+#include "server/plans/robot_parts.h"
 #include "tests/unit/compensation/models.h"
 
 namespace driftwise::formats {
@@ -138,6 +141,65 @@ TEST_F(CompiledModel, GoesOnFromTheZeroOfAnotherDatumByItsPose) {
   EXPECT_NEAR(two, q2(2.02, -1.53, 21.5), 1e-9);
   EXPECT_EQ(moved, 1);
   EXPECT_EQ(outside, 0);
+}
+
+// The axis of a robot with an id: every name of the robot's own channels carries it.
+calibration::Model of_robot_ma(calibration::Model model) {
+  for (auto& output : model.outputs) {
+    output.channel.symbol.insert(0, "ma.");
+    for (auto& one : output.terms)
+      for (auto& factor : one.factors)
+        if (auto* named = std::get_if<effects::Power>(&factor); named && named->symbol == "x")
+          named->symbol = "ma.x";
+  }
+  for (auto& range : model.domain)
+    if (range.channel.symbol == "x") range.channel.symbol = "ma.x";
+  return model;
+}
+
+// The daemon serves the robot's own part of the model from the same zero.
+TEST_F(CompiledModel, OfARobotWithAnIdGoesOnFromAnotherZeroAsTheDaemonDoes) {
+  const auto model = of_robot_ma(axis_model());
+  const double q_zero = 1.0 + 2 * 0.02 + 0.5 * 0.02 * 0.02 + 1e-3 * 20.5 + 2e-4 * 0.02 * 20.5;
+  const auto source = write_model_c(model, "ma");
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_NE(source->find(" * robot: ma\n"), std::string::npos);
+  char harness[1024];
+  std::snprintf(
+      harness, sizeof harness,
+      "#include <stdio.h>\nint main(void) {\n  const double none[1] = {0.0}, pose[1] = "
+      "{2.0}, then[1] = {20.5}, now[1] = {21.5}, q_zero[1] = {%.17g};\n"
+      "  double zero[2], q[1];\n  int moved = driftwise_model_ma_zero(none, then, q_zero, "
+      "zero);\n  int outside = driftwise_model_ma_from(zero, pose, now, q);\n"
+      "  printf(\"%%.17g %%d %%d\\n\", q[0], moved, outside);\n  return 0;\n}\n",
+      q_zero);
+  ASSERT_EQ(compile(*source + harness, ""), 0);
+  ASSERT_EQ(run_model(), 0);
+  double found = 0;
+  int moved = -1, outside = -1;
+  ASSERT_EQ(std::sscanf(output().c_str(), "%lf %d %d", &found, &moved, &outside), 3);
+
+  auto builder = compensation::SnapshotBuilder::create(*plans::part_of_robot(model, "ma"),
+                                                       ModelId{1}, compensation::axis_cell());
+  ASSERT_TRUE(builder) << builder.error().message;
+  constexpr CellTime kNow{1'300'000'000'000'000'000};
+  const std::vector<ChannelValue> zero = {{"q1_mm", q_zero}, {"t07_degC", 20.5}},
+                                  later = {{"t07_degC", 21.5}};
+  ASSERT_TRUE(builder->anchor(zero));
+  builder->observe(later, kNow);
+  compensation::TargetRequest request;
+  request.set(compensation::Variable::x, 2);
+  EXPECT_NEAR(found, compute_target(builder->build(kNow), request).q_mm[0], 1e-9);
+  EXPECT_EQ(moved, 1);
+  EXPECT_EQ(outside, 0);
+}
+
+TEST(WriteModelC, RefusesAModelOfSeveralRobots) {
+  auto model = of_robot_ma(axis_model());
+  model.outputs.push_back(axis_model().outputs[0]);
+  const auto source = write_model_c(model, "both");
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().reason, "NOT_EXPORTABLE");
 }
 
 TEST_F(CompiledModel, SaysWhenAnotherZeroIsKnownByAConstantOnly) {
