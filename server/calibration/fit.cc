@@ -318,6 +318,8 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
   }
   if (!whole.note().empty()) model.warnings.push_back(whole.note());
   model.domain = domain_of(design, dataset, model.outputs);
+  if (auto sparse = sparse_readings(dataset, design.rows, model.outputs))
+    model.warnings.push_back(std::move(*sparse));
   const auto said = general_warnings(design, options, rule, no_datum, model);
   std::ranges::copy_if(warnings, std::back_inserter(model.warnings), [&said](const auto& warning) {
     const auto colon = warning.find(": ");  // after the output's name

@@ -1,5 +1,6 @@
 #include "server/calibration/linear/projection.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 
@@ -56,7 +57,7 @@ Result<Eigen::MatrixXd> Excerpt::columns(const std::vector<effects::Term>& terms
 std::vector<const DatasetColumn*> Excerpt::thermometers() const {
   std::vector<const DatasetColumn*> out;
   for (const auto& column : data_.columns)
-    if (column.channel.unit == "degC" && values(column).allFinite()) out.push_back(&column);
+    if (column.channel.unit == "degC") out.push_back(&column);
   return out;
 }
 
@@ -90,6 +91,23 @@ Projection::Projection(Eigen::MatrixXd columns, const std::vector<effects::Term>
 
 Eigen::VectorXd Projection::coefficients(const Eigen::VectorXd& y) const {
   return back_ * (q_.transpose() * root_weights_.cwiseProduct(y));
+}
+
+Projection Projection::over(const std::vector<Index>& rows) const {
+  // Share of a direction's squares that the rows must have, against the direction they have most
+  // of: below, it would be drawn from next to nothing.
+  constexpr double kDetermined = 1e-3;
+  Projection out;
+  out.root_weights_ = Eigen::VectorXd(root_weights_(rows));
+  out.back_ = back_;
+  const Eigen::MatrixXd q = q_(rows, Eigen::all);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(q.transpose() * q);
+  const Eigen::VectorXd& shares = solver.eigenvalues();
+  const double least = kDetermined * shares.maxCoeff();
+  const Eigen::VectorXd inverse =
+      shares.unaryExpr([least](double share) { return share > least ? 1 / share : 0.0; });
+  out.q_ = q * solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+  return out;
 }
 
 }  // namespace driftwise::calibration

@@ -26,7 +26,7 @@ class Excerpt {
   // Errors: those of raw_columns.
   Result<Eigen::MatrixXd> columns(const std::vector<effects::Term>& terms) const;
   const DatasetColumn* find(const std::string& symbol) const { return data_.find(symbol); }
-  // Columns in degC with a value in every row.
+  // Columns in degC.
   std::vector<const DatasetColumn*> thermometers() const;
   Eigen::VectorXd values(const DatasetColumn& column) const;
   // Of row i among those of the fit, in order.
@@ -49,10 +49,16 @@ class Projection {
 
   // Raw coefficients of the least squares for y (not weighted yet).
   Eigen::VectorXd coefficients(const Eigen::VectorXd& y) const;
-  const Eigen::MatrixXd& q() const { return q_; }        // rows x terms
+  // The same over some of the rows, for a y that has these rows only. What they do not determine of
+  // the coefficients is 0 (least norm of the fitted values over all rows).
+  Projection over(const std::vector<Eigen::Index>& rows) const;
+  // rows x terms; orthonormal, but for that of some of the rows.
+  const Eigen::MatrixXd& q() const { return q_; }
   const Eigen::MatrixXd& back() const { return back_; }  // terms x terms
 
  private:
+  Projection() = default;
+
   Eigen::VectorXd root_weights_;
   Eigen::MatrixXd q_, back_;
 };

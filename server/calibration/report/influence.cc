@@ -1,8 +1,10 @@
 #include "server/calibration/report/influence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string_view>
 
 #include "server/calibration/design/predict.h"
@@ -18,6 +20,8 @@ bool is_pose_length(std::string_view symbol) {
   const auto local = without_robot(symbol);
   return local == "x" || local == "y" || local == "z";
 }
+
+constexpr std::array kPoseSymbols = {"x", "y", "z", "rx", "ry", "rz"};
 
 // A length of a robot with an id goes with the coordinates of that robot: "ma.x" with "ma.ry".
 std::string beside(const std::string& symbol, const char* coordinate) {
@@ -48,7 +52,8 @@ Derivative derivative_by(const OutputModel& output, const std::string& symbol) {
   return out;
 }
 
-// By how much a quantity has changed since the first of these rows of the same datum, by row.
+// By how much a quantity has changed since the first of these rows of the same datum that has it,
+// by row.
 template <typename Values>
 Eigen::VectorXd since_zero(const Excerpt& rows, const Values& values) {
   std::map<double, double> at_zero;
@@ -56,6 +61,10 @@ Eigen::VectorXd since_zero(const Excerpt& rows, const Values& values) {
   for (Index i = 0; i < change.size(); ++i) {
     const auto row = static_cast<std::size_t>(i);
     const double value = values[static_cast<decltype(values.size())>(i)];
+    if (is_missing(value)) {
+      change[i] = kMissing;
+      continue;
+    }
     change[i] = value - at_zero.try_emplace(rows.datum()[row], value).first->second;
   }
   return change;
@@ -71,7 +80,16 @@ Eigen::VectorXd kept_since_zero(const Excerpt& rows, const NoiseSpectrum& noise)
   return kept;
 }
 
-// By what an error of this channel may vary from row to row.
+// Rows of a calibration that must have a reading of what an error goes with. Fewer rows give no
+// influence.
+bool are_enough(Index readings, Index rows, std::size_t terms) {
+  constexpr double kFewest = 0.1;
+  return readings > static_cast<Index>(terms) &&
+         static_cast<double>(readings) >= kFewest * static_cast<double>(rows);
+}
+
+// By what an error of this channel may vary from row to row. kMissing where what it goes with was
+// not read.
 std::vector<std::pair<std::string, Eigen::VectorXd>> shapes(const Excerpt& rows,
                                                             const NoiseSpectrum& noise,
                                                             const std::string& symbol) {
@@ -80,11 +98,9 @@ std::vector<std::pair<std::string, Eigen::VectorXd>> shapes(const Excerpt& rows,
   if (is_pose_symbol(without_robot(symbol)) && noise.variance() > 0)
     out.emplace_back("zero", kept_since_zero(rows, noise));
   if (!is_pose_length(symbol)) return out;
-  for (const char* by : {"x", "y", "z", "rx", "ry", "rz"}) {
+  for (const char* by : kPoseSymbols) {
     const auto* column = rows.find(beside(symbol, by));
-    if (column == nullptr) continue;
-    if (auto values = rows.values(*column); values.allFinite())
-      out.emplace_back(column->channel.name(), std::move(values));
+    if (column != nullptr) out.emplace_back(column->channel.name(), rows.values(*column));
   }
   if (!rows.time_s().empty()) out.emplace_back("h", since_zero(rows, rows.time_s()) / 3600);
   for (const auto* thermometer : rows.thermometers())
@@ -106,6 +122,7 @@ Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projecti
                                              const NoiseSpectrum& noise,
                                              const OutputModel& output) {
   std::vector<Influence> out;
+  std::map<std::vector<Index>, Projection> over_some;
   for (const auto& symbol : symbols_in(output)) {
     const auto derivative = derivative_by(output, symbol);
     if (derivative.terms.empty()) continue;
@@ -115,10 +132,18 @@ Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projecti
         Eigen::Map<const Eigen::VectorXd>(derivative.coefficients.data(),
                                           static_cast<Index>(derivative.coefficients.size())));
     for (const auto& [by, shape] : shapes(rows, noise, symbol)) {
-      const Eigen::VectorXd error = slope.cwiseProduct(shape);
+      std::vector<Index> read;
+      for (Index i = 0; i < shape.size(); ++i)
+        if (!is_missing(shape[i])) read.push_back(i);
+      const bool whole = read.size() == static_cast<std::size_t>(shape.size());
+      if (!whole && !are_enough(static_cast<Index>(read.size()), rows.size(), output.terms.size()))
+        continue;
+      const Eigen::VectorXd error = slope.cwiseProduct(shape)(read);
+      if (!whole && !over_some.contains(read)) over_some.emplace(read, projection.over(read));
+      const Projection& of_rows = whole ? projection : over_some.at(read);
       out.push_back({rows.find(symbol)->channel.name(), by,
                      std::sqrt(error.squaredNorm() / static_cast<double>(error.size())),
-                     projection.coefficients(error)});
+                     of_rows.coefficients(error)});
     }
   }
   return out;
@@ -137,6 +162,44 @@ Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_
   DRIFTWISE_TRY(auto influences, influences_of(excerpt, projection, noise, output));
   output.influences = std::move(influences);
   return {};
+}
+
+std::optional<std::string> sparse_readings(const Dataset& dataset,
+                                           const std::vector<std::size_t>& rows,
+                                           const std::vector<OutputModel>& outputs) {
+  constexpr double kFew = 0.1;
+  std::set<std::string> lengths;
+  std::size_t terms = 0;
+  for (const auto& output : outputs) {
+    terms = std::max(terms, output.terms.size());
+    for (const auto& symbol : symbols_in(output))
+      if (is_pose_length(symbol)) lengths.insert(symbol);
+  }
+  std::string named, left_out;
+  for (const auto& column : dataset.columns) {
+    if (column.channel.unit != "degC" && std::ranges::none_of(lengths, [&](const auto& length) {
+          return std::ranges::any_of(kPoseSymbols, [&](const char* by) {
+            return beside(length, by) == column.channel.symbol;
+          });
+        }))
+      continue;
+    const auto missing =
+        std::ranges::count_if(rows, [&](auto row) { return is_missing(column.values[row]); });
+    const auto all = static_cast<Index>(rows.size());
+    if (lengths.empty() || static_cast<double>(missing) <= kFew * static_cast<double>(all))
+      continue;
+    auto& list = are_enough(all - missing, all, terms) ? named : left_out;
+    list += (list.empty() ? "" : ", ") + column.channel.name() + " in " + std::to_string(missing) +
+            " of " + std::to_string(all);
+  }
+  if (named.empty() && left_out.empty()) return std::nullopt;
+  std::string sentence = "calibration rows without a reading: ";
+  if (!named.empty())
+    sentence += named + " (the uncertainty that goes with it is from the other rows)";
+  if (!left_out.empty())
+    sentence += (named.empty() ? "" : "; ") + left_out +
+                " (too few are left: the uncertainty of a target lacks what goes with it)";
+  return sentence;
 }
 
 }  // namespace driftwise::calibration

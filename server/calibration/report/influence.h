@@ -9,6 +9,7 @@
 // as the fit itself, and what a constant or another term absorbs is absorbed here too
 // (docs/uncertainty.md; JCGM 100:2008, 5.1.3 and F.1.2.3).
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,9 @@ namespace driftwise::calibration {
 // then ("t04_degC", K). Of every pose coordinate, with noise: the error of the reading at the zero,
 // which the rows have as far as the noise keeps it ("zero"): noise's correlation with the row
 // before the first. For the force and every other channel of a term (temperatures): an offset.
-// Channels under an effect with memory count as constants there. Errors: those of raw_columns.
+// Channels under an effect with memory count as constants there. What an error goes with counts in
+// the rows that have a reading of it, where these are a tenth of all and more than the terms.
+// Errors: those of raw_columns.
 Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,
                                              const NoiseSpectrum& noise, const OutputModel& output);
 
@@ -33,5 +36,11 @@ Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projecti
 Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_t>& rows,
                             const std::string& weight_symbol, const NoiseSpectrum& noise,
                             OutputModel& output);
+
+// Names the channels that errors of the outputs may go with (pose coordinates, thermometers) and
+// that lack a reading in more than a tenth of these rows; a sentence for Model::warnings.
+std::optional<std::string> sparse_readings(const Dataset& dataset,
+                                           const std::vector<std::size_t>& rows,
+                                           const std::vector<OutputModel>& outputs);
 
 }  // namespace driftwise::calibration

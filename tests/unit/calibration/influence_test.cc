@@ -147,6 +147,79 @@ TEST(Influence, DoesNotDependOnHowManyRowsAreLookedAt) {
   EXPECT_LT((influence_of(from_fewer, "x_mm", "x_mm").shift - a).norm(), 1e-3 * a.norm());
 }
 
+// Data with a tilt and a thermometer that no term reads, as the rows of a calibration have them.
+Dataset tilted_campaign() {
+  Dataset data = make_campaign({.rows = 450});
+  data.columns.push_back({{"ry", "arcsec"}, {}});
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns.back().values.push_back(20 * std::sin(0.7 * static_cast<double>(i)) +
+                                         8 * data.find("x")->values[i]);
+  return data;
+}
+
+double largest_effect(const Dataset& data, const OutputModel& output, const Influence& influence) {
+  return (*raw_columns(data, output.terms) * influence.shift).cwiseAbs().maxCoeff();
+}
+
+TEST(Influence, OfAChannelThatARowLacksIsThatOfTheOtherRows) {
+  const std::string formula = "q1 ~ x + x^2 + t01";
+  const Dataset complete = tilted_campaign();
+  const auto whole = fitted_all(complete, formula).outputs[0];
+  Dataset lacking = complete;
+  column_of(lacking, "ry").values[150] = kMissing;
+  column_of(lacking, "t03").values[150] = kMissing;
+  column_of(lacking, "t03").values[0] = kMissing;  // the row from which a drift counts
+  const auto model = fitted_all(lacking, formula);
+  EXPECT_THAT(model.warnings,
+              testing::Not(testing::Contains(testing::HasSubstr("without a reading"))));
+  for (const char* by : {"ry_arcsec", "t03_degC"}) {
+    const auto& expected = influence_of(whole, "x_mm", by);
+    auto difference = influence_of(model.outputs[0], "x_mm", by);
+    EXPECT_NEAR(difference.rms, expected.rms, 0.02 * expected.rms) << by;
+    difference.shift -= expected.shift;
+    EXPECT_LT(largest_effect(complete, whole, difference),
+              0.02 * largest_effect(complete, whole, expected))
+        << by;
+  }
+}
+
+TEST(Influence, OfAChannelThatEveryFifthRowLacksStaysWithAWarning) {
+  const std::string formula = "q1 ~ x + x^2 + t01";
+  Dataset data = tilted_campaign();
+  const auto whole = fitted_all(data, formula).outputs[0];
+  for (std::size_t i = 3; i < data.rows; i += 5) column_of(data, "ry").values[i] = kMissing;
+  const auto model = fitted_all(data, formula);
+  EXPECT_THAT(model.warnings, testing::Contains(testing::HasSubstr("ry_arcsec in 60 of 300")));
+  const auto& expected = influence_of(whole, "x_mm", "ry_arcsec").shift;
+  EXPECT_LT((influence_of(model.outputs[0], "x_mm", "ry_arcsec").shift - expected).norm(),
+            0.1 * expected.norm());
+}
+
+TEST(Influence, OfAChannelThatHardlyAnyRowHasIsLeftOutWithAWarning) {
+  Dataset data = tilted_campaign();
+  for (std::size_t i = 20; i < data.rows; ++i) column_of(data, "ry").values[i] = kMissing;
+  const auto model = fitted_all(data, "q1 ~ x + x^2 + t01");
+  EXPECT_THAT(model.warnings,
+              testing::Contains(testing::AllOf(testing::HasSubstr("ry_arcsec in 286 of 300"),
+                                               testing::HasSubstr("too few"))));
+  EXPECT_THROW(influence_of(model.outputs[0], "x_mm", "ry_arcsec"), std::out_of_range);
+}
+
+// Rows of a second datum without a tilt: its constant is determined by no row that has one.
+TEST(Influence, OfAChannelThatOneDatumLacksIsThatOfTheOther) {
+  Dataset data = make_campaign({.rows = 450, .datums = 2});
+  data.columns.push_back({{"ry", "arcsec"}, tilted_campaign().find("ry")->values});
+  const auto whole = fitted_all(data, "q1 ~ x + x^2 + t01").outputs[0];
+  for (std::size_t i = 225; i < data.rows; ++i) column_of(data, "ry").values[i] = kMissing;
+  const auto lacking = fitted_all(data, "q1 ~ x + x^2 + t01").outputs[0];
+  const auto at =
+      std::ranges::find(whole.terms, effects::Term{{effects::Power{"x", 1}}}) - whole.terms.begin();
+  const double expected = influence_of(whole, "x_mm", "ry_arcsec").shift[at];
+  const auto& shift = influence_of(lacking, "x_mm", "ry_arcsec").shift;
+  EXPECT_TRUE(shift.allFinite());
+  EXPECT_NEAR(shift[at], expected, 0.1 * std::abs(expected));
+}
+
 // The reading at the zero against rows whose noise forgets it, keeps it, and keeps half of it.
 TEST(Influence, OfTheZeroIsWhatTheNoiseOfTheRowsKeepsOfIt) {
   const Dataset data = make_campaign({.rows = 400});
