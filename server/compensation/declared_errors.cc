@@ -59,15 +59,15 @@ double constant_error(const CellDescription& cell, const MeasuredBy& coordinate)
   return std::sqrt(squares);
 }
 
-double u_arcsec_of(const CellDescription& cell, const std::string& symbol) {
-  for (const auto& device : cell.devices)
-    for (const auto& angle : device.angles())
-      if (angle.channel.symbol == symbol) return angle.u_arcsec;
-  return 0;
+// The same of the coordinate's instruments; where it is not stated which measured the rows, the
+// least of theirs.
+double constant_error(const CellDescription& cell, const std::string& rotation,
+                      const MeasuredCoordinates& measured_by) {
+  const auto* coordinate = stated(cell, rotation, measured_by);
+  return coordinate ? constant_error(cell, *coordinate) : reading_noise(cell, rotation, {});
 }
 
-void add_beam(const CellDescription& cell, const BeamDescription& beam, double weight,
-              std::vector<DeclaredError>& out) {
+void add_beam(const BeamDescription& beam, double weight, std::vector<DeclaredError>& out) {
   const std::string& axis = beam.length.symbol;
   const auto add = [&](UncertaintySource source, std::string by, double u, bool shared = true) {
     if (u > 0) out.push_back({source, axis, std::move(by), weight * u, shared});
@@ -79,16 +79,28 @@ void add_beam(const CellDescription& cell, const BeamDescription& beam, double w
     add(UncertaintySource::beam_direction, other,
         nm_from_mm(rad_from_arcsec(beam.u_direction_arcsec)));
   }
-  // What a constant error of a tilt makes of a known lever arm: the tilt about one of the axes
-  // beside this one works on the offset along the other.
-  const auto [first, second] = others(axis);
-  const auto arm_nm = [&](const std::string& along) {
-    return nm_from_mm(beam.offset_mm[static_cast<std::size_t>(along[0] - 'x')]);
-  };
-  const double of_first = arm_nm(second) * rad_from_arcsec(u_arcsec_of(cell, "r" + first)),
-               of_second = arm_nm(first) * rad_from_arcsec(u_arcsec_of(cell, "r" + second));
-  add(UncertaintySource::tilts, "1", std::hypot(of_first, of_second));
   add(UncertaintySource::mirror, "1", beam.u_flatness_nm, false);
+}
+
+// A constant error of a tilt on the known lever arms, which move with the pose. With the path along
+// x longer by ry a_z - rz a_y (correction.h), a reading of rz that is too large by e makes x too
+// large by a_y e, and one of ry by -a_z e.
+void add_tilts(const CellDescription& cell, const MeasuredCoordinates& measured_by,
+               const BeamDescription& beam, std::vector<DeclaredError>& out) {
+  const std::string& axis = beam.length.symbol;
+  const auto [first, second] = others(axis);
+  const auto add = [&](const std::string& about, const std::string& along, double sign) {
+    const auto k = static_cast<std::size_t>(along[0] - 'x');
+    const std::string rotation = "r" + about;
+    const double rad = rad_from_arcsec(constant_error(cell, rotation, measured_by));
+    for (const auto& [by, arm_mm] :
+         {std::pair(std::string("1"), beam.offset_mm[k]), std::pair(along, beam.offset_per_mm[k])})
+      if (rad > 0 && arm_mm != 0)
+        out.push_back({UncertaintySource::tilts, axis, by, sign * nm_from_mm(arm_mm) * rad, true,
+                       false, rotation});
+  };
+  add(first, second, -1);
+  add(second, first, 1);
 }
 
 }  // namespace
@@ -107,20 +119,25 @@ std::vector<DeclaredError> declared_errors(const CellDescription& cell,
       out.push_back(
           {UncertaintySource::laser, axis, "1", weight * device.length()->u_length_nm, true, true});
     if (device.length()->u_drift_nm_per_h != 0)
-      out.push_back(
-          {UncertaintySource::drift, axis, "h", weight * device.length()->u_drift_nm_per_h});
-    if (device.length()->u_drift_nm_per_k != 0)
-      out.push_back({UncertaintySource::drift, axis, device.length()->drift_channel.symbol,
-                     weight * device.length()->u_drift_nm_per_k});
-    if (const auto* beam = beam_of(cell, device.length()->channel))
-      add_beam(cell, *beam, weight, out);
+      out.push_back({UncertaintySource::drift, axis, "h",
+                     weight * device.length()->u_drift_nm_per_h, true, false, "h"});
+    if (device.length()->u_drift_nm_per_k != 0) {
+      const std::string& room = device.length()->drift_channel.symbol;
+      out.push_back({UncertaintySource::drift, axis, room,
+                     weight * device.length()->u_drift_nm_per_k, true, false, room});
+    }
+    if (const auto* beam = beam_of(cell, device.length()->channel)) add_beam(*beam, weight, out);
   }
+  if (cell.correction)
+    for (const auto& beam : cell.correction->beams)
+      if (std::ranges::any_of(cell.devices, [&beam](const auto& device) {
+            return device.length() && device.length()->channel == beam.length;
+          }))
+        add_tilts(cell, measured_by, beam, out);
   // A rotation that the pose has as a coordinate: the reading at the zero, as of a length.
   for (const char* rotation : {"rx", "ry", "rz"}) {
-    const auto* coordinate = stated(cell, rotation, measured_by);
-    const double u =
-        coordinate ? constant_error(cell, *coordinate) : reading_noise(cell, rotation, {});
-    if (u > 0) out.push_back({UncertaintySource::tilts, rotation, "1", u, true, true});
+    const double u = constant_error(cell, rotation, measured_by);
+    if (u > 0) out.push_back({UncertaintySource::tilts, rotation, "1", u, true, true, rotation});
   }
   if (cell.load && cell.load->u_n > 0)
     out.push_back({UncertaintySource::force, "force", "1", cell.load->u_n, false});

@@ -1,7 +1,8 @@
 #pragma once
 // What the cell's owner declares about the instruments, as systematic errors of channels: the type
-// B part of a target's budget (JCGM 100:2008, 4.3). Each entry is independent of the others. What
-// each line means, its distribution, and what is left out: docs/uncertainty.md.
+// B part of a target's budget (JCGM 100:2008, 4.3). Entries are independent of one another but for
+// those of one cause. What each line means, its distribution, and what is left out:
+// docs/uncertainty.md.
 
 #include <string>
 #include <vector>
@@ -17,11 +18,14 @@ struct DeclaredError {
   std::string symbol;  // of the channel in error: "x"
   std::string by;      // "1", "h", or the symbol of what it goes with: "ry", "y", "t04"
   // Standard uncertainty in the channel's summary unit (nm, arcsec; K, N) per mm, arcsec, hour or K
-  // of by; hours and kelvin since the zero.
+  // of by; hours and kelvin since the zero. With a sign where the cause has other errors.
   double u = 0;
   // An error of the zero's own reading as well, so that a datum carried to its zero is free of it.
   bool shared_with_zero = true;
   bool is_reading_at_zero = false;  // drawn from the noise that the rows have as well
+  // Errors of one source and one cause are one error: "t04" or "h" of a drift, "rz" of a rotation
+  // that acts on several lengths. Their effects add with their signs. Empty: alone.
+  std::string cause{};
 };
 
 using MeasuredCoordinates = std::vector<MeasuredBy>;

@@ -78,9 +78,9 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
   if (gives_ == Gives::motors)
     output.u_scale_nm = reading_noise(cell, output.channel.symbol, model_.lineage.measured_by);
   output.absorbed.resize(slow_.channels().size());
-  // By what they go with: the devices' drifts with the hours have one cause, those with one
-  // thermometer another.
-  std::map<std::string, Eigen::VectorXd> drifts;
+  // Of one source and one cause: drifts with the hours or with one thermometer, what one rotation's
+  // error does to all lengths.
+  std::map<std::pair<UncertaintySource, std::string>, Systematic> of_cause;
   for (const auto& influence : from.influences) {
     const std::string symbol = symbol_of(influence.channel);
     for (const auto& error : declared) {
@@ -89,25 +89,29 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
                                                                    : symbol_of(influence.by)))
         continue;
       const double size = error.u * own_units(influence.channel) * base_units(influence.by);
-      Eigen::VectorXd shift = served(influence.shift, from.terms) * size;
-      if (error.source != UncertaintySource::drift) {
-        auto& added = output.systematics.emplace_back(
-            Systematic{error.source, std::move(shift), error.shared_with_zero});
-        if (const auto* kept = influence_of(from, influence.channel, "zero");
-            error.is_reading_at_zero && kept != nullptr)
-          added.in_rows = served(kept->shift, from.terms) * size;
+      Systematic one{error.source, served(influence.shift, from.terms) * size,
+                     error.shared_with_zero};
+      if (const auto* kept = influence_of(from, influence.channel, "zero");
+          error.is_reading_at_zero && kept != nullptr)
+        one.in_rows = served(kept->shift, from.terms) * size;
+      if (error.cause.empty()) {
+        output.systematics.push_back(std::move(one));
         continue;
       }
-      // One cause, so one error: with their signs, before squaring.
-      const auto [drift, is_first] = drifts.try_emplace(error.by, shift);
-      if (!is_first) drift->second += shift;
+      // One error: with their signs, before squaring.
+      const auto [all, is_first] = of_cause.try_emplace({error.source, error.cause}, one);
+      if (is_first) continue;
+      all->second.shift += one.shift;
+      if (all->second.in_rows.size() == 0)
+        all->second.in_rows = one.in_rows;
+      else if (one.in_rows.size() > 0)
+        all->second.in_rows += one.in_rows;
     }
     if (influence.by != "1") continue;
     if (const auto slow = slow_.find(symbol))
       output.absorbed[*slow] = served(influence.shift, from.terms);
   }
-  for (auto& [by, shift] : drifts)
-    output.systematics.push_back({UncertaintySource::drift, std::move(shift), true});
+  for (auto& [cause, error] : of_cause) output.systematics.push_back(std::move(error));
 }
 
 // What a residual holds beyond the noise of the instruments that saw it is the robot's own. Lengths

@@ -12,6 +12,7 @@
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
 #include "server/core/units.h"
+#include "server/correction/correction.h"
 #include "tests/unit/compensation/models.h"
 
 namespace driftwise::compensation {
@@ -306,6 +307,79 @@ TEST(DeclaredErrors, OfALeverArmAreTheTiltThatTheModelSawTimesTheOffset) {
   EXPECT_NEAR(line_of(budget_at(model, cell, 2, 1, -1), UncertaintySource::beam_offset),
               1.01 * 0.3e6 * ry * kRadPerArcsec, 0.05);
   EXPECT_NEAR(line_of(budget_at(model, cell, 0, 1, 0), UncertaintySource::beam_offset), 0, 0.05);
+}
+
+CellDescription tilted_cell(double u_arcsec) {
+  auto cell = three_beam_cell();
+  auto& device = cell.devices.emplace_back();
+  device.id = "collimator";
+  for (const char* symbol : {"rx", "ry", "rz"}) {
+    auto& angle = device.become<AngleSettings>().angles.emplace_back();
+    angle.channel = {symbol, "arcsec"};
+    angle.u_arcsec = u_arcsec;
+  }
+  return cell;
+}
+
+// Shift of x, y, z, nm, by tilts that are read too large, as the correction itself has it.
+Eigen::Vector3d moved_nm(const CellDescription& cell, const correction::Vector3& pose_mm,
+                         const correction::Tilt& error) {
+  correction::Stage stage;
+  for (std::size_t k = 0; k < 3; ++k)
+    stage.beams[k] = {cell.correction->beams[k].offset_mm, cell.correction->beams[k].offset_per_mm};
+  const auto wrong = correction::pose_from_paths(pose_mm, error, stage),
+             right = correction::pose_from_paths(pose_mm, {}, stage);
+  Eigen::Vector3d nm;
+  for (std::size_t k = 0; k < 3; ++k) nm[static_cast<int>(k)] = nm_from_mm(wrong[k] - right[k]);
+  return nm;
+}
+
+// q1 = 1.01 x + 0.02 y + 0.4 z by the correction's own errors of each tilt, in squares.
+double expected_tilts_nm(const CellDescription& cell, const correction::Vector3& pose_mm,
+                         double u_arcsec) {
+  const Eigen::RowVector3d slope(1.01, 0.02, 0.4);
+  return Eigen::Vector3d(slope * moved_nm(cell, pose_mm, {u_arcsec, 0, 0}),
+                         slope * moved_nm(cell, pose_mm, {0, u_arcsec, 0}),
+                         slope * moved_nm(cell, pose_mm, {0, 0, u_arcsec}))
+      .norm();
+}
+
+TEST(DeclaredErrors, OfATiltOnABeamThatIsFixedInTheRoomGrowWithThePose) {
+  const auto model = fitted(two_axis_rows());
+  auto cell = tilted_cell(0.1);
+  cell.correction->beams[0].offset_per_mm = {0, -1, -1};
+  for (const auto& [y, z] : {std::pair(0.0, 0.0), std::pair(3.0, 0.0), std::pair(2.0, -3.0)}) {
+    const double expected = expected_tilts_nm(cell, {1, y, z}, 0.1);
+    EXPECT_NEAR(line_of(budget_at(model, cell, 1, y, z), UncertaintySource::tilts), expected, 0.01);
+    if (y == 3.0) {
+      EXPECT_NEAR(expected, 1.01 * 3e6 * 0.1 * kRadPerArcsec, 0.001);
+    }
+  }
+}
+
+TEST(DeclaredErrors, OfATiltThatActsOnSeveralLengthsAreOneErrorWithItsSigns) {
+  const auto model = fitted(two_axis_rows());
+  auto cell = tilted_cell(0.1);
+  cell.correction->beams[0].offset_mm = {0, 0, 100};  // x is wrong by -100 mm ry
+  cell.correction->beams[2].offset_mm = {100, 0, 0};  // z by +100 mm ry
+  const double expected = (1.01 - 0.4) * 100e6 * 0.1 * kRadPerArcsec;
+  EXPECT_NEAR(expected_tilts_nm(cell, {1, 2, -1}, 0.1), expected, 0.01);
+  EXPECT_NEAR(line_of(budget_at(model, cell, 1, 2, -1), UncertaintySource::tilts), expected, 0.01);
+}
+
+TEST(DeclaredErrors, OfATiltAreThoseOfTheInstrumentThatMeasuredTheRows) {
+  auto cell = collimated_cell({12, 0.05});
+  cell.correction->beams[0].offset_mm = {0, 0, 100};
+  const std::string level = cell.devices[cell.devices.size() - 2].id,
+                    collimator = cell.devices.back().id;
+  const auto arcsec = [&](const std::string& id) {
+    double found = 0;
+    for (const auto& error : declared_errors(cell, {{"ry", {{{id}}}}}))
+      if (error.source == UncertaintySource::tilts && error.symbol == "x") found += error.u;
+    return std::abs(found) / (100e6 * kRadPerArcsec);
+  };
+  EXPECT_NEAR(arcsec(level), 12, 1e-9);
+  EXPECT_NEAR(arcsec(collimator), 0.05, 1e-9);
 }
 
 TEST(DeclaredErrors, OfABeamsDirectionGrowWithTheOtherAxes) {
