@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 
 #include "server/compensation/basis_values.h"
@@ -95,8 +96,23 @@ Error no_pose(const ForwardRequest& request, const Snapshot& snapshot, const std
           "no pose found for " + asked + ": " + why};
 }
 
-// Standard uncertainties of coordinates whose law gives none: those of the motor coordinates, taken
-// as independent, through the inverse of the slopes.
+// Standard uncertainties of coordinates of a pose, request's units. inverse: coordinates by motor
+// coordinates, per mm. An error that motors share moves them together, with its signs.
+Eigen::VectorXd u_of_pose(const Snapshot& snapshot, const TargetRequest& pose,
+                          const Eigen::MatrixXd& inverse) {
+  const ErrorParts parts = error_parts(snapshot, pose);
+  const auto size = static_cast<Eigen::Index>(parts.own_nm2.size());
+  if (size != inverse.cols())
+    return Eigen::VectorXd::Constant(inverse.rows(), std::numeric_limits<double>::quiet_NaN());
+  Eigen::VectorXd variance =
+      inverse.cwiseAbs2() * Eigen::Map<const Eigen::VectorXd>(parts.own_nm2.data(), size);
+  for (const auto& error : parts.shared_nm)
+    variance += (inverse * Eigen::Map<const Eigen::VectorXd>(error.data(), size)).cwiseAbs2();
+  return variance.cwiseSqrt() * (parts.factor / kNmPerMm);
+}
+
+// Standard uncertainties of coordinates whose law gives none: those of the motor coordinates
+// through the inverse of the slopes.
 void add_u_by_slopes(const Snapshot& snapshot, TargetRequest pose, ForwardPose& result) {
   constexpr double kStep = 1e-3;  // mm
   const auto size = static_cast<Eigen::Index>(result.coordinates.size());
@@ -116,13 +132,8 @@ void add_u_by_slopes(const Snapshot& snapshot, TargetRequest pose, ForwardPose& 
                      kStep;
   }
   const Eigen::MatrixXd inverse = slopes.inverse();
-  for (Eigen::Index j = 0; j < size; ++j) {
-    double variance = 0;
-    for (Eigen::Index i = 0; i < size; ++i)
-      variance +=
-          std::pow(inverse(j, i) * result.target.u_nm[static_cast<std::size_t>(i)] / kNmPerMm, 2);
-    result.coordinates[static_cast<std::size_t>(j)].u = std::sqrt(variance);
-  }
+  const Eigen::VectorXd u = u_of_pose(snapshot, pose, inverse);
+  for (Eigen::Index j = 0; j < size; ++j) result.coordinates[static_cast<std::size_t>(j)].u = u[j];
 }
 
 // Of a geometry: what the polynomial adds reads no pose, so it comes off first.
@@ -235,17 +246,11 @@ Result<ForwardPose> forward_pose(const Snapshot& snapshot, const ForwardRequest&
   found.target = compute_target(snapshot, pose);
   if (found.target.refusal != Refusal::none)
     return tl::unexpected(refusal_error(snapshot, found.target));
-  for (std::size_t j = 0; j < unknowns.size(); ++j) {
-    double variance = 0;
-    for (std::size_t i = 0; i < found.target.outputs; ++i) {
-      const double part = inverse(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) *
-                          found.target.u_nm[i] / kNmPerMm;
-      variance += part * part;
-    }
+  const Eigen::VectorXd u = u_of_pose(snapshot, pose, inverse);
+  for (std::size_t j = 0; j < unknowns.size(); ++j)
     found.coordinates.push_back({unknowns[j].variable,
                                  pose.value[static_cast<std::size_t>(unknowns[j].variable)],
-                                 std::sqrt(variance)});
-  }
+                                 u[static_cast<Eigen::Index>(j)]});
   return found;
 }
 

@@ -23,8 +23,9 @@ struct ForwardPose {
   struct Coordinate {
     Variable variable = Variable::x;
     double value = 0;  // mm or arcsec
-    // Standard uncertainty in the same unit: that of the motor coordinates (Target::u_nm, taken as
-    // independent of one another) through the inverse of the model's slopes.
+    // Standard uncertainty in the same unit: that of the motor coordinates through the inverse of
+    // the model's slopes. A declared error of an instrument or a thermometer acts on all of them
+    // with its signs; fit, residual and scale are independent from motor to motor.
     double u = 0;
   };
   std::vector<Coordinate> coordinates;  // solved for, in order of Variable

@@ -99,6 +99,9 @@ struct Snapshot {
     // Instead of it, errors that each have one size for all poses: rows of basis_size() numbers.
     // The variance is the sum over the rows of (row . basis)^2.
     std::vector<double> roots_nm{};
+    // Per row, which error it is: rows of several outputs with one source and number are one error,
+    // with its sign in each of them. Empty: every row is an error of its own.
+    std::vector<std::uint32_t> errors{};
   };
   struct Output {
     // q1_mm: results are in mm whatever the model's column. A joint of an arm, q1_rad or q1_deg:

@@ -6,8 +6,10 @@
 // never does. One thread.
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -92,6 +94,7 @@ class SnapshotBuilder {
     bool shared_with_zero = true;
     Eigen::VectorXd in_rows{};  // of a reading at the zero: what the rows' noise has of it, which
                                 // is in the covariance; empty: nothing
+    std::uint32_t number = 0;   // of its source: one error in several outputs has one
   };
   struct Output {
     Channel channel;         // q1_mm
@@ -139,7 +142,8 @@ class SnapshotBuilder {
   double drift_reference(const Channel& channel) const;
   PresentGeometry present_geometry(const Conditions& conditions) const;
   void add_uncertainty(const calibration::OutputModel& from, const CellDescription& cell,
-                       Output& output) const;
+                       Output& output);
+  std::uint32_t number_of(const std::string& error);
   // Of every output, from the residuals of all.
   void add_own_scatter(const CellDescription& cell);
   // Share of the readings at the zero that the rows' noise has. noise_nm2: of the instruments.
@@ -161,13 +165,14 @@ class SnapshotBuilder {
   BasisPlan basis_;
   SlowState slow_;
   std::vector<Output> outputs_;
+  std::map<std::string, std::uint32_t> numbers_;  // of declared errors
   std::vector<FastInput> fast_inputs_;
   std::array<double, kVariables> column_per_unit_{}, column_shift_{};
   std::vector<SlowInput> slow_inputs_;
   std::vector<Datum> datum_;                // one per output when anchored
   std::vector<double> zero_excess_;         // of that zero, by input
   std::shared_ptr<const GeometryLaw> law_;  // none: terms alone
-  std::vector<double> standing_;            // motor coordinates as last read, one per output
+  std::vector<double> standing_;  // motor coordinates as last read, one per output
   bool anchored_ = false;
 };
 

@@ -90,7 +90,7 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
       fit.add(0, n, -c * at_zero[k] * slow[l]);
       fit.add(0, 0, c * at_zero[k] * at_zero[l]);
     }
-  out.lines.push_back({UncertaintySource::fit, fit.packed_nm2(nm_per_unit * nm_per_unit), {}});
+  out.lines.push_back({UncertaintySource::fit, fit.packed_nm2(nm_per_unit * nm_per_unit)});
 
   // A declared error that moved the fit: its shift, folded like the coefficients.
   const auto folded = [&](const auto& shift, bool less_zero) {
@@ -105,18 +105,21 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
   const auto line_of = [&](UncertaintySource source) -> Snapshot::UncertaintyLine& {
     for (auto& line : out.lines)
       if (line.source == source) return line;
-    return out.lines.emplace_back(Snapshot::UncertaintyLine{source, {}, {}});
+    return out.lines.emplace_back(Snapshot::UncertaintyLine{source, {}});
   };
-  const auto add_root = [&](UncertaintySource source, const std::vector<Wide>& root, Wide u) {
+  const auto add_root = [&](UncertaintySource source, std::size_t number,
+                            const std::vector<Wide>& root, Wide u) {
     if (u == 0) return;
-    auto& roots_nm = line_of(source).roots_nm;
-    for (const Wide value : root) roots_nm.push_back(static_cast<double>(value * u * nm_per_unit));
+    auto& line = line_of(source);
+    for (const Wide value : root)
+      line.roots_nm.push_back(static_cast<double>(value * u * nm_per_unit));
+    line.errors.push_back(static_cast<std::uint32_t>(number));
   };
 
   // The robot's own at the zero of a carried datum is not that at the pose.
   const double zeros = datum ? 2.0 : 1.0;
   out.lines.push_back(
-      {UncertaintySource::residual, {model.unfollowed_nm * model.unfollowed_nm * zeros}, {}});
+      {UncertaintySource::residual, {model.unfollowed_nm * model.unfollowed_nm * zeros}});
 
   // A thermometer's own error was there when the model was fitted: what the coefficients took up of
   // it comes back with the opposite sign (only the constant, where the term is linear). And it is
@@ -132,13 +135,13 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
                   derivative_of(model.terms[k].slow, j, now.channels, now.calls, now.call_slopes));
       if (datum) slope_at_zero += c * static_cast<Wide>(datum->term_slopes[j][k]);
     }
-    add_root(UncertaintySource::temperatures, slope, now.u_independent[j]);
+    add_root(UncertaintySource::temperatures, 2 * j, slope, now.u_independent[j]);
     slope[0] -= slope_at_zero;
     if (model.absorbed[j].size() > 0) {
       const auto back = folded(model.absorbed[j], datum != nullptr);
       for (std::size_t m = 0; m < size; ++m) slope[m] -= back[m];
     }
-    add_root(UncertaintySource::temperatures, slope, now.u_systematic[j]);
+    add_root(UncertaintySource::temperatures, 2 * j + 1, slope, now.u_systematic[j]);
   }
   // Readings began while an effect with memory still had to do with what was before: one unknown
   // past, now and at the zero.
@@ -160,11 +163,10 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
       const auto in_rows = folded(error.in_rows, false);
       for (std::size_t m = 0; m < size; ++m) root[m] -= in_rows[m];
     }
-    add_root(error.source, root, 1);
+    add_root(error.source, error.number, root, 1);
   }
   // A carried datum adds the reading of its own zero.
-  out.lines.push_back(
-      {UncertaintySource::scale, {model.u_scale_nm * model.u_scale_nm * zeros}, {}});
+  out.lines.push_back({UncertaintySource::scale, {model.u_scale_nm * model.u_scale_nm * zeros}});
 
   out.variance_nm2.assign(packed_size(size), 0.0);
   for (const auto& line : out.lines) {

@@ -71,8 +71,12 @@ double instrument_noise_nm2(const calibration::OutputModel& output, const CellDe
   return noise_nm2;
 }
 
+std::uint32_t SnapshotBuilder::number_of(const std::string& error) {
+  return numbers_.try_emplace(error, static_cast<std::uint32_t>(numbers_.size())).first->second;
+}
+
 void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
-                                      const CellDescription& cell, Output& output) const {
+                                      const CellDescription& cell, Output& output) {
   const auto declared = declared_errors(cell, model_.lineage.measured_by);
   // No scale reads a coordinate of the pose.
   if (gives_ == Gives::motors)
@@ -94,6 +98,7 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
       if (const auto* kept = influence_of(from, influence.channel, "zero");
           error.is_reading_at_zero && kept != nullptr)
         one.in_rows = served(kept->shift, from.terms) * size;
+      one.number = number_of(error.cause.empty() ? error.symbol + " by " + error.by : error.cause);
       if (error.cause.empty()) {
         output.systematics.push_back(std::move(one));
         continue;

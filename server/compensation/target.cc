@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "server/compensation/basis_values.h"
@@ -300,6 +301,47 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
                                    std::sqrt(sum * (factor * factor - 1))};
   budget.u_nm = std::sqrt(sum) * factor;
   return budget;
+}
+
+ErrorParts error_parts(const Snapshot& snapshot, const TargetRequest& request) {
+  ErrorParts parts;
+  Target target;
+  if (look_at_request(snapshot, request, target) != Refusal::none) return parts;
+  parts.factor = extrapolation_factor(look_at_domain(snapshot, request, target));
+  PoseTerms terms;
+  const Basis& basis = terms.basis(snapshot, request.value);
+  const double* const squares = terms.squares(snapshot);
+  LawAnswer law;
+  if (snapshot.geometry) {
+    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, true);
+    if (!answer) return {};
+    law = std::move(*answer);
+  }
+  const std::size_t outputs = snapshot.outputs.size(), size = snapshot.basis_size();
+  std::map<std::pair<UncertaintySource, std::uint32_t>, std::vector<double>> shared;
+  for (std::size_t i = 0; i < outputs; ++i) {
+    double own_nm2 = 0;
+    if (snapshot.outputs[i].lines.empty())
+      own_nm2 = variance(snapshot.outputs[i].variance_nm2, squares);
+    for (const auto& line : snapshot.outputs[i].lines) {
+      if (!line.variance_nm2.empty())
+        own_nm2 += std::max(0.0, variance(line.variance_nm2, squares));
+      for (std::size_t row = 0; (row + 1) * size <= line.roots_nm.size(); ++row) {
+        const double nm = dot(line.roots_nm.data() + row * size, basis.b.data(), size);
+        if (row >= line.errors.size()) {
+          own_nm2 += nm * nm;
+          continue;
+        }
+        auto& in_outputs = shared[{line.source, line.errors[row]}];
+        in_outputs.resize(outputs);
+        in_outputs[i] += nm;
+      }
+    }
+    own_nm2 += share_nm2(law.fit, i) + share_nm2(law.residual, i) + share_nm2(law.temperatures, i);
+    parts.own_nm2.push_back(own_nm2);
+  }
+  for (auto& [error, in_outputs] : shared) parts.shared_nm.push_back(std::move(in_outputs));
+  return parts;
 }
 
 void append_flags(std::string& out, const Snapshot& snapshot, const Target& target, char between) {

@@ -13,6 +13,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/compensation/snapshot.h"
 
@@ -119,6 +120,16 @@ struct Budget {
 };
 Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
                       std::size_t output) noexcept;
+
+// The uncertainty of all outputs of a target, parted by what they share.
+struct ErrorParts {
+  double factor = 1;            // of extrapolation, on everything below
+  std::vector<double> own_nm2;  // per output: variance of what it shares with no other
+  // Per error that outputs share, of standard size: what it is in each of them, with its sign.
+  std::vector<std::vector<double>> shared_nm;
+};
+// Empty where the request cannot be answered. Allocates.
+ErrorParts error_parts(const Snapshot& snapshot, const TargetRequest& request);
 
 // "OUTSIDE_DOMAIN(x_mm),STALE_TEMPERATURE(t07_degC)", "" when there is none. between: parts several
 // names of one flag. append_flags allocates only where out lacks the room.

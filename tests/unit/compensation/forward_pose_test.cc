@@ -7,6 +7,10 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
+
+#include "server/compensation/snapshot_builder.h"
+#include "tests/unit/compensation/models.h"
 
 namespace driftwise::compensation {
 namespace {
@@ -105,6 +109,74 @@ TEST(ForwardPose, StatesTheSpreadOfThePosesThatErrorsOfTheMotorsGive) {
   for (std::size_t j = 0; j < 3; ++j)
     EXPECT_NEAR(std::sqrt(sum2[j] / kDraws) / exact.coordinates[j].u, 1.0, 0.045)
         << "four standard deviations of the ratio with 4000 draws";
+}
+
+// Three motors side by side, as a delta near its middle: q = z + (cos a x + sin a y) / 2.
+calibration::Model three_alike() {
+  calibration::Model model;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = 2 * M_PI * i / 3;
+    calibration::OutputModel q;
+    q.channel = {"q" + std::to_string(i + 1), "mm"};
+    q.terms = {term({}), term({power("x")}), term({power("y")}), term({power("z")})};
+    q.coefficients = Eigen::Vector4d(0, 0.5 * std::cos(angle), 0.5 * std::sin(angle), 1);
+    q.covariance = Eigen::Matrix4d::Zero();
+    q.dof = 300;
+    // As a fit has them whose rows are all of one hour: the constant takes a drift up.
+    for (const auto& [channel, by, slope] :
+         {std::tuple("x_mm", "1", q.coefficients[1]), std::tuple("z_mm", "h", 1.0)})
+      q.influences.push_back({channel, by, 1, slope * Eigen::Vector4d::Unit(0)});
+    model.outputs.push_back(q);
+  }
+  model.domain = {{{"x", "mm"}, -4, 4}, {{"y", "mm"}, -4, 4}, {{"z", "mm"}, -4, 4}};
+  return model;
+}
+
+CellDescription drifting_lasers(double x_noise_nm, double z_drift_nm, double scale_nm) {
+  CellDescription cell;
+  for (const char* symbol : {"x", "z"}) {
+    auto& laser = cell.devices.emplace_back();
+    laser.id = std::string("laser-") + symbol;
+    auto& length = laser.become<LengthSettings>();
+    length.channel = {symbol, "mm"};
+    (*symbol == 'x' ? length.u_length_nm : length.u_drift_nm_per_h) =
+        *symbol == 'x' ? x_noise_nm : z_drift_nm;
+  }
+  auto& motion = cell.devices.emplace_back().become<MotionSettings>();
+  for (const char* symbol : {"q1", "q2", "q3"}) {
+    auto& axis = motion.axes.emplace_back();
+    axis.channel = {symbol, "mm"};
+    axis.u_scale_nm = scale_nm;
+  }
+  return cell;
+}
+
+Eigen::Vector3d u_of_pose_nm(const CellDescription& cell) {
+  auto builder = SnapshotBuilder::create(three_alike(), ModelId{1}, cell);
+  EXPECT_TRUE(builder) << builder.error().message;
+  builder->keep_model_datum();
+  ForwardRequest request;
+  request.q_mm = {0, 0, 0};
+  const auto found = forward_pose(builder->build(kHere), request);
+  EXPECT_TRUE(found) << found.error().message;
+  return 1e6 *
+         Eigen::Vector3d(found->coordinates[0].u, found->coordinates[1].u, found->coordinates[2].u);
+}
+
+TEST(ForwardPose, HasTheErrorOfOneLengthInThatCoordinateAlone) {
+  const Eigen::Vector3d drift_nm = u_of_pose_nm(drifting_lasers(0, 10, 0));
+  EXPECT_LT((drift_nm - Eigen::Vector3d(0, 0, 10)).norm(), 1e-6) << drift_nm.transpose();
+  const Eigen::Vector3d both_nm = u_of_pose_nm(drifting_lasers(4, 10, 0));
+  EXPECT_LT((both_nm - Eigen::Vector3d(4, 0, 10)).norm(), 1e-6) << both_nm.transpose();
+}
+
+TEST(ForwardPose, AddsTheScalesOfTheMotorsInSquares) {
+  // By hand: z is their mean; x and y have 2 / 3 of q times cos and sin, twice.
+  const Eigen::Vector3d nm = u_of_pose_nm(drifting_lasers(0, 10, 3));
+  const double sideways_nm = 3 * std::sqrt(8.0 / 3);
+  EXPECT_LT((nm - Eigen::Vector3d(sideways_nm, sideways_nm, std::hypot(10, std::sqrt(3.0)))).norm(),
+            1e-6)
+      << nm.transpose();
 }
 
 TEST(ForwardPose, SaysWhichCoordinatesAreToBeStated) {
