@@ -36,17 +36,24 @@ tl::unexpected<Error> missed(double miss_nm) {
                   " nm: not given; ask for a pose farther from the edge of the reach");
 }
 
-// Covariance of all parameters of the mechanism; those that are held have none. Empty: not known.
-MatrixXd parameter_covariance(const calibration::Geometry& geometry,
-                              const kinematics::Parameters& parameters) {
-  if (geometry.covariance.size() == 0) return {};
-  const auto size = static_cast<Index>(parameters.size());
-  std::vector<Index> place;  // of the free ones
+// Where the free parameters of the model stand among those of the mechanism; -1: nowhere.
+std::vector<Index> free_places(const calibration::Geometry& geometry,
+                               const kinematics::Parameters& parameters) {
+  std::vector<Index> place;
   for (const auto& one : geometry.parameters) {
     if (!one.free) continue;
     const auto found = std::ranges::find(parameters, one.name, &kinematics::Parameter::name);
     place.push_back(found == parameters.end() ? -1 : found - parameters.begin());
   }
+  return place;
+}
+
+// Covariance of all parameters of the mechanism; those that are held have none. Empty: not known.
+MatrixXd parameter_covariance(const calibration::Geometry& geometry,
+                              const kinematics::Parameters& parameters) {
+  if (geometry.covariance.size() == 0) return {};
+  const auto size = static_cast<Index>(parameters.size());
+  const auto place = free_places(geometry, parameters);
   MatrixXd all = MatrixXd::Zero(size, size);
   for (std::size_t i = 0; i < place.size(); ++i)
     for (std::size_t j = 0; j < place.size(); ++j)
@@ -67,6 +74,7 @@ class DirectLaw final : public GeometryLaw {
       : mechanism_(std::move(mechanism)),
         delta_(dynamic_cast<const kinematics::Delta*>(mechanism_.get())),
         values_(kinematics::nominal_values(mechanism_->parameters())),
+        free_(free_places(geometry, mechanism_->parameters())),
         covariance_(parameter_covariance(geometry, mechanism_->parameters())) {
     motors_ = mechanism_->outputs();
     for (const auto& channel : mechanism_->inputs())
@@ -99,7 +107,17 @@ class DirectLaw final : public GeometryLaw {
       answer.motors -= zero.value;
       by_parameters -= zero.jacobian;
     }
-    if (slopes) answer.fit = variances(by_parameters, covariance_);
+    if (!slopes) return answer;
+    answer.fit = variances(by_parameters, covariance_);
+    answer.systematic.resize(by_parameters.rows(), static_cast<Index>(present.errors.size()));
+    for (std::size_t e = 0; e < present.errors.size(); ++e) {
+      const auto& [source, number, shared_with_zero, shift] = present.errors[e];
+      VectorXd all = VectorXd::Zero(by_parameters.cols());
+      for (std::size_t k = 0; k < shift.size() && k < free_.size(); ++k)
+        if (free_[k] >= 0) all[free_[k]] = shift[k];
+      answer.systematic.col(static_cast<Index>(e)) =
+          (shared_with_zero ? by_parameters : MatrixXd(at.jacobian)) * all;
+    }
     return answer;
   }
 
@@ -132,6 +150,7 @@ class DirectLaw final : public GeometryLaw {
   std::shared_ptr<const kinematics::Mechanism> mechanism_;
   const kinematics::Delta* delta_;  // the same; null: another kind
   VectorXd values_;
+  std::vector<Index> free_;
   MatrixXd covariance_;
 };
 

@@ -17,7 +17,9 @@
 // and z. An arm's orientation is not measured, so S has nothing of it: the figure is that of the
 // point. Of a geometry that gives motor coordinates J is 1, A = dq/dp and S the polynomial's
 // residual. Errors of the joints count as known but for their thermometers' u (`temperatures`).
-// Without parameters identified there is no uncertainty: nothing is invented.
+// What an error that the instruments declare did to the parameters, dp, makes A dp of each motor
+// coordinate (from a zero: less that at the zero), which adds to what it did to the terms before
+// anything is squared. Without parameters identified there is no uncertainty: nothing is invented.
 //
 // Pure, any thread; allocates.
 
@@ -40,6 +42,8 @@ struct LawAnswer {
   Eigen::VectorXd motors;
   // Variances of the motors in their units squared; empty: not asked for, or not known.
   Eigen::VectorXd fit, residual, temperatures;
+  // Of PresentGeometry::errors: motors x errors, in the motors' units, with signs. Empty: none.
+  Eigen::MatrixXd systematic = {};
 };
 struct LawPose {
   std::vector<Variable> variables;

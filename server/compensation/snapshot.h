@@ -73,6 +73,15 @@ struct PresentGeometry {
   std::vector<double> temperatures, u_temperatures;  // of law->temperatures(), in their units
   std::vector<double> standing;  // motor coordinates as last read, outputs' units; kMissing: never
   bool from_zero = false;        // geometry(pose) - geometry(0): the zero is in the polynomial
+  // Declared errors of standard size: what they did to the free parameters, whose order and units
+  // these are. Source and number are those of the same error's rows in UncertaintyLine.
+  struct ParameterError {
+    UncertaintySource source;
+    std::uint32_t number = 0;
+    bool shared_with_zero = true;
+    std::vector<double> shift;
+  };
+  std::vector<ParameterError> errors = {};
 };
 
 struct Snapshot {

@@ -141,7 +141,7 @@ void SnapshotBuilder::observe_motors(std::span<const ChannelValue> values) {
 }
 
 PresentGeometry SnapshotBuilder::present_geometry(const Conditions& conditions) const {
-  PresentGeometry present{law_, {}, {}, standing_, !datum_.empty()};
+  PresentGeometry present{law_, {}, {}, standing_, !datum_.empty(), parameter_errors_};
   for (const auto& channel : law_->temperatures()) {
     const std::size_t at = *slow_.find(channel.symbol);
     present.temperatures.push_back(conditions.channels[at]);

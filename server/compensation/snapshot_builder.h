@@ -140,6 +140,8 @@ class SnapshotBuilder {
   Result<void> add_geometry();
   void observe_motors(std::span<const ChannelValue> values);
   double drift_reference(const Channel& channel) const;
+  void add_parameter_error(const std::string& channel, const std::string& by, double size,
+                           const Systematic& of_terms);
   PresentGeometry present_geometry(const Conditions& conditions) const;
   void add_uncertainty(const calibration::OutputModel& from, const CellDescription& cell,
                        Output& output);
@@ -172,6 +174,7 @@ class SnapshotBuilder {
   std::vector<Datum> datum_;                // one per output when anchored
   std::vector<double> zero_excess_;         // of that zero, by input
   std::shared_ptr<const GeometryLaw> law_;  // none: terms alone
+  std::vector<PresentGeometry::ParameterError> parameter_errors_;
   std::vector<double> standing_;  // motor coordinates as last read, one per output
   bool anchored_ = false;
 };

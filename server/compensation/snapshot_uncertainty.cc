@@ -75,6 +75,25 @@ std::uint32_t SnapshotBuilder::number_of(const std::string& error) {
   return numbers_.try_emplace(error, static_cast<std::uint32_t>(numbers_.size())).first->second;
 }
 
+// The geometry's part of an error that the terms have in every output: once, with the first.
+void SnapshotBuilder::add_parameter_error(const std::string& channel, const std::string& by,
+                                          double size, const Systematic& of_terms) {
+  if (!model_.geometry) return;
+  for (const auto& influence : model_.geometry->influences) {
+    if (influence.channel != channel || influence.by != by) continue;
+    const Eigen::VectorXd shift = influence.shift * size;
+    auto same = std::ranges::find_if(parameter_errors_, [&](const auto& one) {
+      return one.source == of_terms.source && one.number == of_terms.number;
+    });
+    if (same == parameter_errors_.end())
+      same = parameter_errors_.insert(
+          same, {of_terms.source, of_terms.number, of_terms.shared_with_zero,
+                 std::vector<double>(static_cast<std::size_t>(shift.size()), 0.0)});
+    for (std::size_t k = 0; k < same->shift.size(); ++k)
+      same->shift[k] += shift[static_cast<Eigen::Index>(k)];
+  }
+}
+
 void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
                                       const CellDescription& cell, Output& output) {
   const auto declared = declared_errors(cell, model_.lineage.measured_by);
@@ -99,6 +118,8 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
           error.is_reading_at_zero && kept != nullptr)
         one.in_rows = served(kept->shift, from.terms) * size;
       one.number = number_of(error.cause.empty() ? error.symbol + " by " + error.by : error.cause);
+      if (&from == &model_.outputs.front())
+        add_parameter_error(influence.channel, influence.by, size, one);
       if (error.cause.empty()) {
         output.systematics.push_back(std::move(one));
         continue;

@@ -52,6 +52,24 @@ double share_nm2(const Eigen::VectorXd& variances, std::size_t i) {
   return variances.size() == 0 ? 0 : variances[static_cast<Eigen::Index>(i)] * kNmPerMm * kNmPerMm;
 }
 
+// What a geometry's parameters add to the squares of a line's errors, whose terms are in the line.
+double systematic_nm2(const Snapshot& snapshot, const LawAnswer& law, std::size_t output,
+                      const Snapshot::UncertaintyLine& line, const Basis& basis) {
+  if (law.systematic.size() == 0) return 0;
+  const auto& errors = snapshot.geometry->errors;
+  const std::size_t size = snapshot.basis_size();
+  double sum = 0;
+  for (std::size_t row = 0; row < line.errors.size(); ++row)
+    for (std::size_t e = 0; e < errors.size(); ++e) {
+      if (errors[e].source != line.source || errors[e].number != line.errors[row]) continue;
+      const double terms_nm = dot(line.roots_nm.data() + row * size, basis.b.data(), size);
+      const double nm = kNmPerMm * law.systematic(static_cast<Eigen::Index>(output),
+                                                  static_cast<Eigen::Index>(e));
+      sum += nm * (nm + 2 * terms_nm);
+    }
+  return sum;
+}
+
 void refuse(Target& target, Refusal refusal) {
   target.refusal = refusal;
   target.q_mm.fill(kNan);
@@ -239,7 +257,8 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
     law = std::move(*answer);
   }
   const bool with_uncertainty = request.with_uncertainty && !snapshot.unjudged;
-  const double* const b = terms.basis(snapshot, request.value).b.data();
+  const Basis& basis = terms.basis(snapshot, request.value);
+  const double* const b = basis.b.data();
   const double* const squares = with_uncertainty ? terms.squares(snapshot) : nullptr;
   const std::size_t size = snapshot.basis_size();
   const double factor = extrapolation_factor(largest_excess);
@@ -247,11 +266,14 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
     const auto& output = snapshot.outputs[i];
     double q_mm = dot(output.coefficients_mm.data(), b, size), u_nm = kNan;
     if (snapshot.geometry) q_mm += law.motors[static_cast<Eigen::Index>(i)];
-    if (with_uncertainty)
-      u_nm =
-          std::sqrt(std::max(0.0, variance(output.variance_nm2, squares)) + share_nm2(law.fit, i) +
-                    share_nm2(law.residual, i) + share_nm2(law.temperatures, i)) *
-          factor;
+    if (with_uncertainty) {
+      double nm2 = variance(output.variance_nm2, squares);
+      if (snapshot.geometry)
+        for (const auto& line : output.lines) nm2 += systematic_nm2(snapshot, law, i, line, basis);
+      u_nm = std::sqrt(std::max(0.0, nm2) + share_nm2(law.fit, i) + share_nm2(law.residual, i) +
+                       share_nm2(law.temperatures, i)) *
+             factor;
+    }
     target.q_mm[i] = q_mm;
     target.u_nm[i] = u_nm;
     if (!std::isfinite(q_mm) || (with_uncertainty && !std::isfinite(u_nm)))
@@ -291,8 +313,9 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
   };
   double sum = 0;
   for (const auto& line : snapshot.outputs[output].lines) {
-    const double nm2 = std::max(0.0, line_variance(line, snapshot.basis_size(), basis, squares)) +
-                       of_law(line.source);
+    const double terms_nm2 = line_variance(line, snapshot.basis_size(), basis, squares) +
+                             systematic_nm2(snapshot, law, output, line, basis);
+    const double nm2 = std::max(0.0, terms_nm2) + of_law(line.source);
     budget.line[budget.lines++] = {line.source, std::sqrt(nm2)};
     sum += nm2;
   }
@@ -336,6 +359,12 @@ ErrorParts error_parts(const Snapshot& snapshot, const TargetRequest& request) {
         in_outputs.resize(outputs);
         in_outputs[i] += nm;
       }
+    }
+    for (Eigen::Index e = 0; e < law.systematic.cols(); ++e) {
+      const auto& error = snapshot.geometry->errors[static_cast<std::size_t>(e)];
+      auto& in_outputs = shared[{error.source, error.number}];
+      in_outputs.resize(outputs);
+      in_outputs[i] += kNmPerMm * law.systematic(static_cast<Eigen::Index>(i), e);
     }
     own_nm2 += share_nm2(law.fit, i) + share_nm2(law.residual, i) + share_nm2(law.temperatures, i);
     parts.own_nm2.push_back(own_nm2);

@@ -19,6 +19,7 @@
 #include "server/formats/formula/formula.h"
 #include "server/formats/model/model_json.h"
 #include "server/identification/accuracy.h"
+#include "server/identification/pose_influences.h"
 #include "server/kinematics/angles.h"
 #include "server/kinematics/drawing.h"
 #include "server/kinematics/mechanism.h"
@@ -177,8 +178,8 @@ void add_domain(const Dataset& data, const Mechanism& robot, calibration::Model&
         if (const auto* column = data.find(symbol)) add(column->channel);
 }
 
-calibration::Model model_of(const Dataset& data, const identification::Judgement& judged,
-                            const KinematicRequest& request, calibration::Lineage lineage) {
+Result<calibration::Model> model_of(const Dataset& data, const identification::Judgement& judged,
+                                    const KinematicRequest& request, calibration::Lineage lineage) {
   const auto& found = *judged.fitted.kinematics;
   calibration::Model model;
   model.formula = found.mechanism->description().kind + ", identified";
@@ -204,6 +205,11 @@ calibration::Model model_of(const Dataset& data, const identification::Judgement
   for (const auto& [parameter, value, standard_error, free, note] : found.parameters)
     geometry.parameters.push_back({parameter.name, value, standard_error, free, note});
   model.geometry = std::move(geometry);
+  DRIFTWISE_RETURN_IF_ERROR(identification::add_pose_influences(data, found, model));
+  if (found.mechanism->predicts_pose())
+    model.warnings.push_back(
+        "targets of an arm have no line of the errors that the instruments declare: their "
+        "uncertainty is that of the parameters and of the held-out rows");
   return model;
 }
 
@@ -278,7 +284,8 @@ Result<KinematicFit> kinematic_record(const std::optional<Dataset>& data,
   const auto lineage = options.fit.lineage;
   DRIFTWISE_TRY(const auto judged, identification::judge_method(
                                        *data, identification::Method::kinematic, options, judge));
-  made.model = record_of(model_of(*data, judged, request, lineage), request);
+  DRIFTWISE_TRY(const auto model, model_of(*data, judged, request, lineage));
+  made.model = record_of(model, request);
   return made;
 }
 

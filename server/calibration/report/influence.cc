@@ -82,30 +82,10 @@ Eigen::VectorXd kept_since_zero(const Excerpt& rows, const NoiseSpectrum& noise)
 
 // Rows of a calibration that must have a reading of what an error goes with. Fewer rows give no
 // influence.
-bool are_enough(Index readings, Index rows, std::size_t terms) {
+bool are_enough(Index readings, Index rows, std::size_t unknowns) {
   constexpr double kFewest = 0.1;
-  return readings > static_cast<Index>(terms) &&
+  return readings > static_cast<Index>(unknowns) &&
          static_cast<double>(readings) >= kFewest * static_cast<double>(rows);
-}
-
-// By what an error of this channel may vary from row to row. kMissing where what it goes with was
-// not read.
-std::vector<std::pair<std::string, Eigen::VectorXd>> shapes(const Excerpt& rows,
-                                                            const NoiseSpectrum& noise,
-                                                            const std::string& symbol) {
-  std::vector<std::pair<std::string, Eigen::VectorXd>> out = {
-      {"1", Eigen::VectorXd::Ones(rows.size())}};
-  if (is_pose_symbol(without_robot(symbol)) && noise.variance() > 0)
-    out.emplace_back("zero", kept_since_zero(rows, noise));
-  if (!is_pose_length(symbol)) return out;
-  for (const char* by : kPoseSymbols) {
-    const auto* column = rows.find(beside(symbol, by));
-    if (column != nullptr) out.emplace_back(column->channel.name(), rows.values(*column));
-  }
-  if (!rows.time_s().empty()) out.emplace_back("h", since_zero(rows, rows.time_s()) / 3600);
-  for (const auto* thermometer : rows.thermometers())
-    out.emplace_back(thermometer->channel.name(), since_zero(rows, rows.values(*thermometer)));
-  return out;
 }
 
 std::vector<std::string> symbols_in(const OutputModel& output) {
@@ -117,6 +97,35 @@ std::vector<std::string> symbols_in(const OutputModel& output) {
 }
 
 }  // namespace
+
+std::vector<Index> rows_read(const Eigen::VectorXd& shape) {
+  std::vector<Index> rows;
+  for (Index i = 0; i < shape.size(); ++i)
+    if (!is_missing(shape[i])) rows.push_back(i);
+  return rows;
+}
+
+std::vector<std::pair<std::string, Eigen::VectorXd>> error_shapes(const Excerpt& rows,
+                                                                  const NoiseSpectrum& noise,
+                                                                  const std::string& symbol,
+                                                                  std::size_t unknowns) {
+  std::vector<std::pair<std::string, Eigen::VectorXd>> out = {
+      {"1", Eigen::VectorXd::Ones(rows.size())}};
+  if (is_pose_symbol(without_robot(symbol)) && noise.variance() > 0)
+    out.emplace_back("zero", kept_since_zero(rows, noise));
+  if (!is_pose_length(symbol)) return out;
+  for (const char* by : kPoseSymbols)
+    if (const auto* column = rows.find(beside(symbol, by)))
+      out.emplace_back(column->channel.name(), rows.values(*column));
+  if (!rows.time_s().empty()) out.emplace_back("h", since_zero(rows, rows.time_s()) / 3600);
+  for (const auto* thermometer : rows.thermometers())
+    out.emplace_back(thermometer->channel.name(), since_zero(rows, rows.values(*thermometer)));
+  std::erase_if(out, [&](const auto& one) {
+    const auto readings = static_cast<Index>(rows_read(one.second).size());
+    return readings < rows.size() && !are_enough(readings, rows.size(), unknowns);
+  });
+  return out;
+}
 
 Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,
                                              const NoiseSpectrum& noise,
@@ -131,13 +140,9 @@ Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projecti
         lower,
         Eigen::Map<const Eigen::VectorXd>(derivative.coefficients.data(),
                                           static_cast<Index>(derivative.coefficients.size())));
-    for (const auto& [by, shape] : shapes(rows, noise, symbol)) {
-      std::vector<Index> read;
-      for (Index i = 0; i < shape.size(); ++i)
-        if (!is_missing(shape[i])) read.push_back(i);
+    for (const auto& [by, shape] : error_shapes(rows, noise, symbol, output.terms.size())) {
+      const auto read = rows_read(shape);
       const bool whole = read.size() == static_cast<std::size_t>(shape.size());
-      if (!whole && !are_enough(static_cast<Index>(read.size()), rows.size(), output.terms.size()))
-        continue;
       const Eigen::VectorXd error = slope.cwiseProduct(shape)(read);
       if (!whole && !over_some.contains(read)) over_some.emplace(read, projection.over(read));
       const Projection& of_rows = whole ? projection : over_some.at(read);

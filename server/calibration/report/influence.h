@@ -11,6 +11,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/calibration/linear/projection.h"
@@ -30,6 +31,16 @@ namespace driftwise::calibration {
 // Errors: those of raw_columns.
 Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,
                                              const NoiseSpectrum& noise, const OutputModel& output);
+
+// By what an error of this channel may go from row to row, each with its name (Influence::by);
+// kMissing where what it goes with was not read. unknowns: that the fit has; what fewer rows have
+// is left out.
+std::vector<std::pair<std::string, Eigen::VectorXd>> error_shapes(const Excerpt& rows,
+                                                                  const NoiseSpectrum& noise,
+                                                                  const std::string& symbol,
+                                                                  std::size_t unknowns);
+// Of the rows that have a reading.
+std::vector<Eigen::Index> rows_read(const Eigen::VectorXd& shape);
 
 // Fills output.influences. rows: of the calibration, in time order; at most about 4000 of them are
 // looked at, evenly spread: there is no noise to average. Errors: as above.

@@ -9,7 +9,7 @@ namespace driftwise::formats {
 
 nlohmann::ordered_json geometry_json(const calibration::Geometry& geometry) {
   // As in every model's JSON: a member that is forgotten here does not compile.
-  const auto& [robot, all, covariance] = geometry;
+  const auto& [robot, all, covariance, influences] = geometry;
   auto parameters = nlohmann::ordered_json::array();
   for (const auto& [name, value, standard_error, free, note] : all)
     parameters.push_back({{"name", name},
@@ -17,9 +17,11 @@ nlohmann::ordered_json geometry_json(const calibration::Geometry& geometry) {
                           {"standard_error", json_number(standard_error)},
                           {"free", free},
                           {"note", note}});
-  return {{"robot", write_robot_file(robot)},
-          {"parameters", std::move(parameters)},
-          {"covariance", matrix_json(covariance)}};
+  nlohmann::ordered_json out = {{"robot", write_robot_file(robot)},
+                                {"parameters", std::move(parameters)},
+                                {"covariance", matrix_json(covariance)}};
+  if (!influences.empty()) out["influences"] = influences_json(influences);
+  return out;
 }
 
 calibration::Geometry read_geometry(const JsonPlace& from) {
@@ -37,6 +39,8 @@ calibration::Geometry read_geometry(const JsonPlace& from) {
   const auto free =
       std::ranges::count(geometry.parameters, true, &calibration::GeometryParameter::free);
   geometry.covariance = read_matrix(from["covariance"], static_cast<std::size_t>(free));
+  if (from.has("influences"))
+    geometry.influences = read_influences(from["influences"], static_cast<std::size_t>(free));
   return geometry;
 }
 

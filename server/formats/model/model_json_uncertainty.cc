@@ -16,15 +16,16 @@ Json influence_json(const calibration::Influence& influence) {
           {"shift", std::vector<double>(influence.shift.begin(), influence.shift.end())}};
 }
 
-calibration::Influence read_influence(const JsonPlace& from, std::size_t terms) {
+calibration::Influence read_influence(const JsonPlace& from, std::size_t moved) {
   calibration::Influence influence{.channel = from["channel"].text(),
                                    .by = from["by"].text(),
                                    .rms = from["rms"].finite(),
                                    .shift = {}};
   const auto shift = from["shift"];
-  if (shift.size() != terms) shift.refuse(std::to_string(terms) + " numbers, one per term");
-  influence.shift.resize(static_cast<Eigen::Index>(terms));
-  for (std::size_t k = 0; k < terms; ++k)
+  if (shift.size() != moved)
+    shift.refuse(std::to_string(moved) + " numbers, one per term or free parameter");
+  influence.shift.resize(static_cast<Eigen::Index>(moved));
+  for (std::size_t k = 0; k < moved; ++k)
     influence.shift[static_cast<Eigen::Index>(k)] = shift[k].finite();
   return influence;
 }
@@ -52,23 +53,30 @@ Eigen::MatrixXd read_matrix(const JsonPlace& from, std::size_t count) {
   return out;
 }
 
+Json influences_json(const std::vector<calibration::Influence>& influences) {
+  auto out = Json::array();
+  for (const auto& influence : influences) out.push_back(influence_json(influence));
+  return out;
+}
+
+std::vector<calibration::Influence> read_influences(const JsonPlace& from, std::size_t moved) {
+  std::vector<calibration::Influence> out;
+  for (std::size_t i = 0; i < from.size(); ++i) out.push_back(read_influence(from[i], moved));
+  return out;
+}
+
 void write_uncertainty(const calibration::OutputModel& output, Json& out) {
   if (output.covariance_serial.size() > 0)
     out["covariance_serial"] = matrix_json(output.covariance_serial);
   if (output.noise_variance > 0) out["noise_variance"] = output.noise_variance;
-  if (output.influences.empty()) return;
-  auto& influences = out["influences"] = Json::array();
-  for (const auto& influence : output.influences) influences.push_back(influence_json(influence));
+  if (!output.influences.empty()) out["influences"] = influences_json(output.influences);
 }
 
 void read_uncertainty(const JsonPlace& from, std::size_t terms, calibration::OutputModel& output) {
   if (from.has("covariance_serial"))
     output.covariance_serial = read_matrix(from["covariance_serial"], terms);
   if (from.has("noise_variance")) output.noise_variance = from["noise_variance"].finite();
-  if (!from.has("influences")) return;
-  const auto influences = from["influences"];
-  for (std::size_t i = 0; i < influences.size(); ++i)
-    output.influences.push_back(read_influence(influences[i], terms));
+  if (from.has("influences")) output.influences = read_influences(from["influences"], terms);
 }
 
 }  // namespace driftwise::formats

@@ -15,6 +15,10 @@ Eigen::MatrixXd read_matrix(const JsonPlace& from, std::size_t count);
 
 // covariance_serial, noise_variance, influences; each absent where the model has none, as one
 // stored by 0.1 does.
+// shift: as many numbers as what the influence moves, terms or parameters.
+nlohmann::ordered_json influences_json(const std::vector<calibration::Influence>& influences);
+std::vector<calibration::Influence> read_influences(const JsonPlace& from, std::size_t moved);
+
 void write_uncertainty(const calibration::OutputModel& output, nlohmann::ordered_json& out);
 void read_uncertainty(const JsonPlace& from, std::size_t terms, calibration::OutputModel& output);
 
