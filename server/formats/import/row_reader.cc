@@ -21,6 +21,22 @@ std::string mark_hint(const std::string& text, const NumberStyle& style) {
   return " (the mapping says decimal = \"" + std::string(1, style.decimal) + "\")";
 }
 
+// A column taken by its number whose name is a measurement: the first row is data.
+bool is_data(const SourceTable& table, const SourceColumn& column, std::size_t field,
+             const NumberStyle& style) {
+  return table.has_header && column.name.empty() &&
+         number_in(table.names[field], style).has_value();
+}
+
+Error no_header(const SourceTable& table, std::size_t field, const std::string& place,
+                const std::string& file_name) {
+  return {ErrorCode::invalid_argument, reasons::kNoHeader,
+          at_line(file_name, table.header_line) + place + " of the mapping: found " +
+              shown(table.names[field]) + " in the header row, expected the column's name: " +
+              "header = false in [file], or comment = \"%\" (any other mark) where the header " +
+              "begins with '#'; names that are numbers: header = false and skip_lines"};
+}
+
 }  // namespace
 
 Result<RowReader> RowReader::make(const ImportMapping& mapping, const SourceTable& table,
@@ -29,6 +45,8 @@ Result<RowReader> RowReader::make(const ImportMapping& mapping, const SourceTabl
   std::optional<Error> first;
   const auto find = [&](const SourceColumn& column, const std::string& place) {
     const auto field = table.find(column, place, file_name);
+    if (field && is_data(table, column, *field, mapping.file.numbers) && !first)
+      first = no_header(table, *field, place, file_name);
     if (field) return *field;
     if (!first) first = field.error();
     return std::size_t{0};

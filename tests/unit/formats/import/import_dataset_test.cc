@@ -73,6 +73,22 @@ TEST(ImportDataset, TakesColumnsByNumberWhereThereIsNoHeader) {
   EXPECT_EQ(out.report.unused, std::vector<std::string>{"column 1"});
 }
 
+TEST(ImportDataset, TakesNoMeasurementForAHeader) {
+  const std::string columns =
+      "[[column]]\nsource = 1\nchannel = \"q1_mm\"\n[[column]]\nsource = 2\nchannel = \"x_mm\"\n";
+  const auto error = refused("1.0,1.1\n2.0,2.1\n", columns);
+  EXPECT_EQ(error.reason, "NO_HEADER");
+  EXPECT_THAT(error.message, HasSubstr("lab.csv:1: column 1 of the mapping: found '1.0'"));
+  EXPECT_THAT(error.message, HasSubstr("header = false"));
+  // numpy.savetxt: its header is a comment, unless another mark is named.
+  EXPECT_THAT(refused("# q,x\n1.0,1.1\n2.0,2.1\n", columns).message, HasSubstr("comment = "));
+  EXPECT_EQ(imported("# q,x\n1.0,1.1\n", "[file]\ncomment = \"%\"\n" + columns).dataset.rows, 1u);
+  EXPECT_EQ(imported("1.0,1.1\n", "[file]\nheader = false\n" + columns).dataset.rows, 1u);
+  EXPECT_EQ(
+      imported("q,2\n1.0,1.1\n", "[[column]]\nsource = 1\nchannel = \"q1_mm\"\n").dataset.rows, 1u)
+      << "a name that no rule uses";
+}
+
 TEST(ImportDataset, ScalesAndShiftsBeforeItConverts) {
   const auto out = imported("raw\n100\n",
                             "[[column]]\nsource = \"raw\"\nunit = \"V\"\nscale = -0.01\n"
