@@ -58,8 +58,8 @@ Result<void> take_row(Gathering& g, const RowReader& reader, const ForeignRows& 
   }
   if (auto read = reader.read(row, values); !read) return read;
   if (g.mapping.time) {
-    DRIFTWISE_TRY(const auto time, reader.time(row));
-    g.times.add(time, row.line());
+    DRIFTWISE_TRY(const auto stamp, reader.time(row));
+    g.times.add(stamp.time, row.line(), stamp.local);
   }
   if (g.mapping.sets.by == SetRule::By::column) {
     DRIFTWISE_TRY(const auto validation, reader.is_validation(row));

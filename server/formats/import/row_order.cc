@@ -9,8 +9,39 @@
 
 namespace driftwise::formats {
 
+// The first row after local time went back by the hour of summer time, or half of it: the only step
+// back of the file, by 30 to 60 min less the step between two rows, in the middle of rows that go
+// on increasing on both sides and past it.
+std::optional<std::size_t> RowTimes::row_of_clock_set_back() const {
+  constexpr std::int64_t kMinute_ns = 60'000'000'000;
+  std::optional<std::size_t> at;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (!rows_[i].local) return std::nullopt;
+    if (i == 0 || rows_[i].time >= rows_[i - 1].time) continue;
+    if (at) return std::nullopt;
+    at = i;
+  }
+  if (!at || *at < 2 || *at + 1 >= rows_.size()) return std::nullopt;
+  const auto time = [this](std::size_t row) { return rows_[row].time; };
+  const std::int64_t back_ns = (time(*at - 1) - time(*at)).count();
+  const bool rows_on_both_sides = time(*at - 2) > time(*at) && time(*at + 1) < time(*at - 1);
+  if (back_ns < 30 * kMinute_ns || back_ns > 60 * kMinute_ns || !rows_on_both_sides ||
+      rows_.back().time <= time(*at - 1))
+    return std::nullopt;
+  return at;
+}
+
 Result<RowTimes::Ordered> RowTimes::put_in_order(const TimeRules& rules,
                                                  const std::string& file_name) const {
+  if (const auto at = row_of_clock_set_back())
+    return fail(ErrorCode::invalid_argument, reasons::kTimeNotIncreasing,
+                at_line(file_name, rows_[*at].line) + "found the time " +
+                    to_iso8601(rows_[*at].time) + " after " + to_iso8601(rows_[*at - 1].time) +
+                    " in line " + std::to_string(rows_[*at - 1].line) +
+                    ", once in the file, by stamps without a zone: the clock was set back here "
+                    "(summer time?). Split the file before this line and import the first part "
+                    "with the utc_offset_h of summer, the second with one hour less (2 and 1 in "
+                    "central Europe); sorting would mix the two hours");
   Ordered out;
   out.rows.resize(rows_.size());
   std::iota(out.rows.begin(), out.rows.end(), std::size_t{0});

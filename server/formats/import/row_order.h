@@ -1,6 +1,7 @@
 #pragma once
 // The instants of a file's rows -> time_s, increasing over the whole dataset.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,10 @@ namespace driftwise::formats {
 
 class RowTimes {
  public:
-  void add(CellTime time, std::size_t line) { rows_.push_back({time, line}); }
+  // local: the stamp says no zone.
+  void add(CellTime time, std::size_t line, bool local = false) {
+    rows_.push_back({time, line, local});
+  }
 
   struct Ordered {
     std::vector<std::size_t> rows;  // the row that comes first, second, ...
@@ -22,14 +26,17 @@ class RowTimes {
   };
   // By the mapping's rules: rows stay where they are, or are put in order of time (equal times as
   // they stood); n rows of one stamp share the resolution evenly, when that is allowed.
-  // Errors: TIME_NOT_INCREASING naming both lines and the key that would allow it.
+  // Errors: TIME_NOT_INCREASING naming both lines and the key that would allow it; so does a clock
+  // that was set back at the end of summer time, in any order: sorting would mix two hours.
   Result<Ordered> put_in_order(const TimeRules& rules, const std::string& file_name) const;
 
  private:
   struct Row {
     CellTime time;
     std::size_t line;
+    bool local;
   };
+  std::optional<std::size_t> row_of_clock_set_back() const;
   std::vector<Row> rows_;
 };
 

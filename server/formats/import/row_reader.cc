@@ -148,11 +148,11 @@ Result<std::optional<std::size_t>> RowReader::dropped_by(const ForeignRows& row)
   return std::nullopt;
 }
 
-Result<CellTime> RowReader::time(const ForeignRows& row) const {
+Result<RowReader::Stamp> RowReader::time(const ForeignRows& row) const {
   std::string text;
   for (const std::size_t field : times_) text += (text.empty() ? "" : " ") + row.fields()[field];
   const auto found = mapping_->time->format.read(text, mapping_->file.numbers.decimal);
-  if (found) return *found;
+  if (found) return Stamp{*found, mapping_->time->format.is_local(text)};
   return tl::unexpected(problem(row, times_.front(), reasons::kBadTime, found.error().message));
 }
 

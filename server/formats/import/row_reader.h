@@ -25,7 +25,11 @@ class RowReader {
   // Errors: BAD_NUMBER, BAD_INTEGER, BAD_FLAG, MISSING_VALUE.
   Result<void> read(const ForeignRows& row, std::vector<double>& values) const;
   // Errors: BAD_TIME. Only with a [time] table.
-  Result<CellTime> time(const ForeignRows& row) const;
+  struct Stamp {
+    CellTime time;
+    bool local;  // it says no zone
+  };
+  Result<Stamp> time(const ForeignRows& row) const;
   // Errors: MISSING_VALUE. Only with sets by a column.
   Result<bool> is_validation(const ForeignRows& row) const;
 

@@ -237,4 +237,13 @@ Result<CellTime> TimeFormat::read_pattern(std::string_view text) const {
   return CellTime{*utc_ns - utc_offset_ns_};
 }
 
+bool TimeFormat::is_local(std::string_view text) const {
+  constexpr std::size_t kDate = 10;  // "2026-10-25": its hyphens are no sign
+  if (kind_ == Kind::pattern) return true;
+  if (kind_ == Kind::iso8601)
+    return !text.ends_with('Z') && !text.ends_with('z') &&
+           text.find_first_of("+-", kDate) == std::string_view::npos;
+  return text_ == "excel_days";
+}
+
 }  // namespace driftwise::formats

@@ -25,6 +25,8 @@ class TimeFormat {
   // caller knows file, line and column).
   Result<CellTime> read(std::string_view text, char decimal) const;
 
+  // Whether a text that read() takes says no zone: it is by a clock that may be set back in autumn.
+  bool is_local(std::string_view text) const;
   // Whether read gives a real instant, or one counted from any start.
   bool has_epoch() const { return kind_ != Kind::elapsed; }
   const std::string& text() const { return text_; }

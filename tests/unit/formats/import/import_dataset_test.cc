@@ -157,6 +157,37 @@ TEST(ImportDataset, SortsRowsThatStandAtTheEndOfTheFile) {
   EXPECT_EQ(out.report.late_rows, 1U);
 }
 
+// Every 10 min from midnight to 4 h, the hour from 2 to 3 twice; the rows after `to` are left
+// out.
+std::string autumn_night(const std::string& zone, int to = 30) {
+  std::string csv = "when;q\n";
+  for (int i = 0; i < to; ++i) {
+    const int minute = 10 * (i < 18 ? i : i - 6);
+    csv += "2026-10-25 0" + std::to_string(minute / 60) + ":" + std::to_string(minute % 60 / 10) +
+           "0:00" + zone + ";" + std::to_string(i) + "\n";
+  }
+  return csv;
+}
+
+TEST(ImportDataset, SaysWhereTheClockWasSetBackAndSortsNothing) {
+  for (const std::string order : {"as-it-is", "by-time"})
+    for (const std::string format : {"%Y-%m-%d %H:%M:%S", "iso8601"}) {
+      const std::string mapping =
+          "[file]\nseparator = \";\"\n[time]\ncolumn = \"when\"\nformat = \"" + format +
+          "\"\norder = \"" + order +
+          "\"\nequal_times = \"spread\"\nresolution_s = 1\nutc_offset_h = 2\n"
+          "[[column]]\nsource = \"q\"\nchannel = \"q1_mm\"\n";
+      const auto error = refused(autumn_night(""), mapping);
+      EXPECT_EQ(error.reason, "TIME_NOT_INCREASING");
+      EXPECT_THAT(error.message, HasSubstr("lab.csv:20: "));
+      EXPECT_THAT(error.message, HasSubstr("the clock was set back here (summer time?)"));
+      if (format != "iso8601" || order != "by-time") continue;
+      // A stamp with its zone is no local time; ten rows that were kept to the end are only late.
+      EXPECT_EQ(imported(autumn_night("+02:00"), mapping).report.late_rows, 5u);
+      EXPECT_EQ(imported(autumn_night("", 22), mapping).report.late_rows, 4u);
+    }
+}
+
 TEST(ImportDataset, SpreadsRowsOfOneStampOnlyWhenAsked) {
   const std::string text = "t,x\n10,1\n10,2\n10,3\n10,4\n11,5\n";
   const std::string toml =
