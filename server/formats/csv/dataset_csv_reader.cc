@@ -13,6 +13,7 @@
 #include "server/core/try.h"
 #include "server/formats/csv/csv_text.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/metadata_check.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -326,6 +327,7 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   data.metadata = header.metadata;
   DRIFTWISE_TRY(const auto kinds, sort_columns(header, file_name, data).map_error(with_way_out));
 
+  DRIFTWISE_RETURN_IF_ERROR(check_metadata(text, data, file_name));
   const auto chunks = chunks_of(header, executor);
   const std::size_t most_rows = chunks.back().first_row + chunks.back().most_rows;
   if (most_rows > limits.values / header.names.size())

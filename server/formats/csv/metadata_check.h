@@ -1,0 +1,19 @@
+#pragma once
+// Lines of a dataset's metadata that a computation reads: a slip in one of them would change a
+// result without a word.
+
+#include <string>
+#include <string_view>
+
+#include "server/core/data/dataset.h"
+#include "server/core/result.h"
+
+namespace driftwise::formats {
+
+// "# parts:", "# measured_by:" and "# overruns:" (docs/formats.md) of data.metadata, which was read
+// from text. A part of a channel that the data do not have is a slip only where one of their
+// thermometers has no part. Errors: BAD_METADATA, with line, word and what was expected.
+Result<void> check_metadata(std::string_view text, const Dataset& data,
+                            const std::string& file_name);
+
+}  // namespace driftwise::formats
