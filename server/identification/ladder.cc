@@ -48,6 +48,14 @@ std::vector<Term> monomials(const std::vector<std::string>& symbols, int lowest,
   return terms;
 }
 
+// Range of a channel, in its unit, that is more than what its instrument reads at rest.
+double least_range(const std::string& unit) {
+  const double in_unit = 1 / summary_unit(unit).factor;
+  if (is_length(unit)) return in_unit;  // 1 nm
+  if (is_angle(unit)) return in_unit;   // 1 arcsec
+  return unit == "degC" || unit == "K" ? 0.01 : 1e-4;
+}
+
 bool varies(const Dataset& dataset, const DatasetColumn& column) {
   double low = INFINITY, high = -INFINITY;
   for (const std::size_t row : rows_in(dataset, PointSet::calibration)) {
@@ -56,15 +64,12 @@ bool varies(const Dataset& dataset, const DatasetColumn& column) {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  // A thermometer's own noise is no temperature, a held axis no position.
-  const double least = column.channel.unit == "degC"     ? 0.01
-                       : column.channel.unit == "arcsec" ? 1
-                                                         : 1e-4;
-  return high - low > least;
+  return high - low > least_range(column.channel.unit);
 }
 
 struct Inputs {
   std::vector<std::string> position, temperatures, forces;
+  std::vector<std::string> constant;  // what would be one of them if it varied
 };
 
 Inputs inputs_of(const Dataset& dataset, const std::vector<std::string>& outputs) {
@@ -83,15 +88,16 @@ Inputs inputs_of(const Dataset& dataset, const std::vector<std::string>& outputs
   for (const auto& column : dataset.columns) {
     const auto& channel = column.channel;
     if (std::ranges::find(outputs, channel.symbol) != outputs.end()) continue;
-    if (!varies(dataset, column)) continue;
+    std::vector<std::string>* kind = nullptr;
     if (is_structure_temperature(channel)) {
-      if (on_robot(channel.symbol)) inputs.temperatures.push_back(channel.symbol);
+      if (on_robot(channel.symbol)) kind = &inputs.temperatures;
     } else if (channel.unit == "N") {
-      inputs.forces.push_back(channel.symbol);
+      kind = &inputs.forces;
     } else if (pose_is_asked ? is_motor_symbol(channel.symbol) : is_pose_symbol(channel.symbol)) {
-      const bool rotation = channel.unit == "arcsec" || channel.unit == "deg";
-      (rotation ? rotations : inputs.position).push_back(channel.symbol);
+      kind = is_angle(channel.unit) ? &rotations : &inputs.position;
     }
+    if (kind != nullptr)
+      (varies(dataset, column) ? *kind : inputs.constant).push_back(channel.symbol);
   }
   turns = inputs.position.size() < outputs.size();
   if (turns) inputs.position.insert(inputs.position.begin(), rotations.begin(), rotations.end());
@@ -338,6 +344,9 @@ Result<Ladder> climb(const Dataset& whole, const LadderOptions& options) {
       for (auto& symbol : effects::symbols_of(term)) needed.push_back(std::move(symbol));
   const Dataset dataset = without_incomplete_rows(whole, needed);
   Ladder ladder;
+  if (const auto constant = inputs_of(whole, options.fit.candidates.outputs).constant;
+      !constant.empty())
+    ladder.notes.push_back(listed(constant, ", ") + ": taken as constant, no term of it was tried");
   ladder.rows = static_cast<std::int64_t>(rows_in(dataset, PointSet::calibration).size());
   DRIFTWISE_TRY(auto folds, folds_for(dataset, options, ladder.held_out));
   const Climber climber{dataset, options, std::move(folds), std::move(rungs)};

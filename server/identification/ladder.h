@@ -21,7 +21,8 @@ struct Rung {
 // The rungs that the channels of the dataset allow, the lowest first: position of order 1 to
 // most_order, temperatures (those on the robot where the dataset says so, else all), force up to
 // the third power, products of both with the position up to the second order. A channel that does
-// not vary over the calibration rows gives none. Outputs are not among the terms.
+// not vary over the calibration rows (by 1 nm, 1 arcsec, 0.01 K, whatever its unit) gives none.
+// Outputs are not among the terms.
 std::vector<Rung> rungs_of(const Dataset& dataset, const std::vector<std::string>& outputs,
                            int most_order = 5);
 
@@ -62,7 +63,7 @@ struct Ladder {
   std::string stopped;               // sentence: why it stopped
   std::string held_out;              // "10 blocks of time", "10 folds of whole lines"
   std::int64_t rows = 0;             // calibration rows
-  std::vector<std::string> notes;    // channels that do not vary, rows left out
+  std::vector<std::string> notes;    // sentences: channels that do not vary
   const std::string& formula() const { return steps.back().formula; }
 };
 

@@ -87,6 +87,22 @@ TEST(Ladder, TakesNoTemperatureThatDoesNothing) {
   EXPECT_EQ(ladder->steps.size(), 2u);
 }
 
+// Every length in m, a place of 0.1 mm: less than 1e-4 of a m, and a position all the same.
+TEST(Ladder, TakesWhatVariesByANanometreWhateverTheUnit) {
+  auto data = made({.noise_mm = 1e-9});
+  for (auto& column : data.columns)
+    if (column.channel.unit == "mm") {
+      column.channel.unit = "m";
+      for (double& value : column.values) value *= 1e-5;
+    }
+  DatasetColumn held{{"z", "m"}, std::vector<double>(data.rows, 0.25)};
+  data.columns.push_back(held);
+  const auto ladder = climb(data, line_by_line(data));
+  ASSERT_TRUE(ladder) << ladder.error().message;
+  EXPECT_THAT(ladder->formula(), HasSubstr("poly(x, y, 3)"));
+  EXPECT_THAT(ladder->notes, testing::ElementsAre(HasSubstr("z: taken as constant")));
+}
+
 TEST(Ladder, FindsAProductOfForceAndPosition) {
   const auto data = made({.force = true});
   const auto ladder = climb(data, line_by_line(data));

@@ -93,11 +93,9 @@ std::vector<std::string> outputs_of(const Dataset& data, const std::vector<std::
 std::string percent(double share) { return fixed(100 * share, 1) + " %"; }
 
 ordered_json ladder_json(const identification::Ladder& ladder) {
-  ordered_json json{{"schema", "driftwise.ladder.v1"},
-                    {"formula", ladder.formula()},
-                    {"stopped", ladder.stopped},
-                    {"held_out", ladder.held_out},
-                    {"rows_calibration", ladder.rows}};
+  ordered_json json{{"schema", "driftwise.ladder.v1"}, {"formula", ladder.formula()},
+                    {"stopped", ladder.stopped},       {"held_out", ladder.held_out},
+                    {"rows_calibration", ladder.rows}, {"notes", ladder.notes}};
   const SummaryUnit unit = summary_unit(ladder.steps.front().outputs.front().output.unit);
   json["steps"] = ordered_json::array();
   for (const auto& step : ladder.steps) {
@@ -164,6 +162,7 @@ void print_ladder(const Console& console, const identification::Ladder& ladder) 
                               ", A90 " + fixed(trial.a90_rms * unit.factor, 1) + " " + unit.unit
                         : trial.why_not)
                 << '\n';
+  for (const auto& note : ladder.notes) console.out << note << '\n';
   console.out << "\nformula  " << ladder.formula() << '\n';
 }
 
