@@ -73,18 +73,6 @@ bool one_unit(const std::vector<Channel>& outputs) {
   return outputs.size() > 1;
 }
 
-// Validation rows whose zero the model can know.
-std::vector<std::size_t> validation_rows_known(const Dataset& dataset,
-                                               const std::vector<std::size_t>& calibration) {
-  const auto datums = calibration::datum_ordinals(dataset);
-  std::set<double> known;
-  for (const std::size_t row : calibration) known.insert(datums[row]);
-  std::vector<std::size_t> rows;
-  for (const std::size_t row : rows_in(dataset, PointSet::validation))
-    if (known.contains(datums[row])) rows.push_back(row);
-  return rows;
-}
-
 void add_position(Judgement& result, const Eigen::MatrixXd& errors,
                   const std::vector<std::size_t>& calibration,
                   const std::vector<std::size_t>& validation, const FoldErrors& blocks,

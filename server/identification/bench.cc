@@ -18,6 +18,17 @@ std::vector<std::size_t> rows_in(const Dataset& dataset, PointSet set) {
   return rows;
 }
 
+std::vector<std::size_t> validation_rows_known(const Dataset& dataset,
+                                               const std::vector<std::size_t>& calibration) {
+  const auto datums = calibration::datum_ordinals(dataset);
+  std::set<double> known;
+  for (const std::size_t row : calibration) known.insert(datums[row]);
+  std::vector<std::size_t> rows;
+  for (const std::size_t row : rows_in(dataset, PointSet::validation))
+    if (known.contains(datums[row])) rows.push_back(row);
+  return rows;
+}
+
 Result<Eigen::MatrixXd> measured_outputs(const Dataset& dataset,
                                          const std::vector<Channel>& outputs) {
   Eigen::MatrixXd measured(static_cast<Index>(dataset.rows), static_cast<Index>(outputs.size()));

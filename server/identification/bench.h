@@ -14,6 +14,10 @@ namespace driftwise::identification {
 // Rows of a set that are not kept out, ascending.
 std::vector<std::size_t> rows_in(const Dataset& dataset, PointSet set);
 
+// Validation rows whose zero a model can know: their datum has one of the calibration rows.
+std::vector<std::size_t> validation_rows_known(const Dataset& dataset,
+                                               const std::vector<std::size_t>& calibration);
+
 // rows x outputs. Errors: internal NO_OUTPUT.
 Result<Eigen::MatrixXd> measured_outputs(const Dataset& dataset,
                                          const std::vector<Channel>& outputs);

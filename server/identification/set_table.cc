@@ -4,9 +4,12 @@
 #include <cmath>
 #include <span>
 
+#include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/data/unusable_values.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/effects/direct_symbols.h"
 #include "server/identification/bench.h"
 
 namespace driftwise::identification {
@@ -38,6 +41,55 @@ bool holds(const Dataset& dataset, std::size_t row, const NamedSet& set,
   return true;
 }
 
+tl::unexpected<Error> no_rows(const std::string& set, std::size_t marked, std::size_t known) {
+  std::string sentence = "set '" + set + "': none of the " + std::to_string(marked) +
+                         " rows marked validation is in it";
+  if (known < marked)
+    sentence += "; " + std::to_string(marked - known) +
+                " of them do not count: their datum has no calibration rows";
+  return fail(ErrorCode::invalid_argument, reasons::kNoRows, sentence);
+}
+
+struct JudgedFit {
+  std::vector<Channel> outputs;
+  std::int64_t terms = 0;
+  Eigen::MatrixXd errors;  // rows x outputs; NaN in rows without a value
+};
+
+Result<JudgedFit> errors_of(const Dataset& dataset, const NamedFit& named) {
+  calibration::FitOptions options = named.fit;
+  options.blocks = 0;
+  DRIFTWISE_TRY(const auto model, calibration::fit(dataset, options));
+  JudgedFit judged;
+  for (const auto& output : model.outputs) {
+    judged.outputs.push_back(output.channel);
+    judged.terms += static_cast<std::int64_t>(output.terms.size());
+  }
+  DRIFTWISE_TRY(auto measured, measured_outputs(dataset, judged.outputs));
+  judged.errors = std::move(measured);
+  const Dataset moved = calibration::in_first_datum(dataset, model.datum_zeros);
+  for (std::size_t o = 0; o < model.outputs.size(); ++o) {
+    DRIFTWISE_TRY(const auto predicted, calibration::predict(moved, model.outputs[o]));
+    judged.errors.col(static_cast<Eigen::Index>(o)) -= predicted;
+  }
+  // A fit leaves out a row that lacks a channel of any term that was offered.
+  for (const auto& term : options.candidates.terms)
+    for (const auto& symbol : effects::symbols_read_at_once(term))
+      if (const auto* column = dataset.find(symbol))
+        for (std::size_t row = 0; row < dataset.rows; ++row)
+          if (is_missing(column->values[row]))
+            judged.errors.row(static_cast<Eigen::Index>(row)).setConstant(kMissing);
+  return judged;
+}
+
+std::vector<std::size_t> complete_rows(const std::vector<std::size_t>& rows,
+                                       const Eigen::MatrixXd& errors) {
+  std::vector<std::size_t> complete;
+  for (const std::size_t row : rows)
+    if (errors.row(static_cast<Eigen::Index>(row)).allFinite()) complete.push_back(row);
+  return complete;
+}
+
 }  // namespace
 
 Result<NamedSet> named_set_from(const std::string& text) {
@@ -65,53 +117,48 @@ Result<NamedSet> named_set_from(const std::string& text) {
   return set;
 }
 
-Result<SetTable> set_table(const Dataset& dataset, const std::vector<NamedFit>& models,
+Result<SetTable> set_table(const Dataset& whole, const std::vector<NamedFit>& models,
                            const std::vector<NamedSet>& sets,
                            const std::vector<std::string>& words) {
+  if (const auto usable = without_unusable(whole))
+    return set_table(usable->data, models, sets, words);
   SetTable table;
-  const auto validation = rows_in(dataset, PointSet::validation);
+  const auto marked = rows_in(whole, PointSet::validation);
+  const auto known = validation_rows_known(whole, rows_in(whole, PointSet::calibration));
+  table.rows_unknown_datum = static_cast<std::int64_t>(marked.size() - known.size());
   std::vector<std::vector<std::size_t>> rows_of;
   for (const auto& set : sets) {
     for (const auto& one : set.conditions)
-      if (dataset.find(one.symbol) == nullptr)
+      if (whole.find(one.symbol) == nullptr)
         return fail(
             ErrorCode::invalid_argument, reasons::kUnknownChannel,
             "set '" + set.name + "': the data have no channel '" + one.symbol.substr(0, 80) + "'");
     auto& rows = rows_of.emplace_back();
-    for (const std::size_t row : validation)
-      if (holds(dataset, row, set, words)) rows.push_back(row);
-    if (rows.empty())
-      return fail(ErrorCode::invalid_argument, reasons::kNoRows,
-                  "set '" + set.name + "': none of the " + std::to_string(validation.size()) +
-                      " rows marked validation is in it");
+    for (const std::size_t row : known)
+      if (holds(whole, row, set, words)) rows.push_back(row);
+    if (rows.empty()) return no_rows(set.name, marked.size(), known.size());
     table.sets.push_back(set.name);
     table.rows.push_back(static_cast<std::int64_t>(rows.size()));
   }
   for (const auto& named : models) {
-    calibration::FitOptions options = named.fit;
-    options.blocks = 0;
-    DRIFTWISE_TRY(const auto model, calibration::fit(dataset, options));
-    std::vector<Channel> outputs;
-    std::int64_t terms = 0;
-    for (const auto& output : model.outputs) {
-      outputs.push_back(output.channel);
-      terms += static_cast<std::int64_t>(output.terms.size());
-    }
+    DRIFTWISE_TRY(const auto judged, errors_of(whole, named));
     table.models.push_back(named.name);
-    table.terms.push_back(terms);
-    DRIFTWISE_TRY(const auto measured, measured_outputs(dataset, outputs));
-    std::vector<Eigen::VectorXd> predicted;
-    for (const auto& output : model.outputs) {
-      DRIFTWISE_TRY(auto one, calibration::predict(dataset, output));
-      predicted.push_back(std::move(one));
-    }
+    table.terms.push_back(judged.terms);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-      SetCell cell{.model = named.name, .set = sets[s].name, .outputs = {}};
-      for (std::size_t o = 0; o < outputs.size(); ++o) {
-        const auto column = static_cast<Eigen::Index>(o);
-        const Eigen::VectorXd errors = picked(measured.col(column) - predicted[o], rows_of[s], 0);
+      const auto rows = complete_rows(rows_of[s], judged.errors);
+      if (rows.empty())
+        return fail(ErrorCode::invalid_argument, reasons::kNoRows,
+                    "model '" + named.name + "', set '" + sets[s].name + "': none of its " +
+                        std::to_string(rows_of[s].size()) +
+                        " rows has a value of every channel that the model reads");
+      SetCell cell{.model = named.name,
+                   .set = sets[s].name,
+                   .rows = static_cast<std::int64_t>(rows.size()),
+                   .outputs = {}};
+      for (std::size_t o = 0; o < judged.outputs.size(); ++o) {
+        const Eigen::VectorXd errors = picked(judged.errors, rows, static_cast<Eigen::Index>(o));
         cell.outputs.push_back(
-            {outputs[o],
+            {judged.outputs[o],
              error_figures(std::span(errors.data(), static_cast<std::size_t>(errors.size())))});
       }
       table.cells.push_back(std::move(cell));

@@ -35,15 +35,21 @@ struct SetFigures {  // of one output; column unit
 };
 struct SetCell {
   std::string model, set;
+  std::int64_t rows = 0;  // of the set that the figures are of: every value that the model reads
   std::vector<SetFigures> outputs;
 };
 struct SetTable {
   std::vector<std::string> models, sets;
-  std::vector<std::int64_t> rows;   // of each set
+  std::vector<std::int64_t> rows;   // of each set, those without a value included
   std::vector<std::int64_t> terms;  // of each model, sum over the outputs
   std::vector<SetCell> cells;       // models by sets, in that order
+  // Validation rows that no set has: their datum has no calibration rows.
+  std::int64_t rows_unknown_datum = 0;
 };
 
+// The rows, and the datum that they are predicted in, are those of fit(): its figures of validation
+// rows and these are the same.
+//
 // words: of the column `set`, one per row; empty: it names no sets. Errors: those of fit();
 // invalid_argument UNKNOWN_CHANNEL (a condition), NO_ROWS (a set without a row).
 Result<SetTable> set_table(const Dataset& dataset, const std::vector<NamedFit>& models,

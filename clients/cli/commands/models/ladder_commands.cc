@@ -261,12 +261,14 @@ ordered_json table_json(const identification::SetTable& table) {
   json["sets"] = ordered_json::array();
   for (std::size_t s = 0; s < table.sets.size(); ++s)
     json["sets"].push_back({{"set", table.sets[s]}, {"rows", table.rows[s]}});
+  json["rows_unknown_datum"] = table.rows_unknown_datum;
   json["models"] = ordered_json::array();
   for (std::size_t m = 0; m < table.models.size(); ++m) {
     ordered_json model{{"model", table.models[m]}, {"terms", table.terms[m]}};
     for (std::size_t s = 0; s < table.sets.size(); ++s)
       for (const auto& figure : table.cells[m * table.sets.size() + s].outputs) {
         const SummaryUnit unit = summary_unit(figure.output.unit);
+        model["rows"][table.sets[s]] = table.cells[m * table.sets.size() + s].rows;
         auto& cell = model["sets"][table.sets[s]][figure.output.symbol];
         cell["a90_" + unit.unit] = figure.figures.a90 * unit.factor;
         cell["mean_" + unit.unit] = figure.figures.mean * unit.factor;
@@ -293,7 +295,7 @@ void print_sets(const Console& console, const identification::SetTable& sets) {
     const std::size_t m = i / sets.sets.size(), s = i % sets.sets.size();
     std::vector<std::string> row{s == 0 ? cell.model : "",
                                  s == 0 ? std::to_string(sets.terms[m]) : "", cell.set,
-                                 std::to_string(sets.rows[s])};
+                                 std::to_string(cell.rows)};
     for (const auto& figure : cell.outputs) {
       const double factor = summary_unit(figure.output.unit).factor;
       row.push_back(fixed(figure.figures.a90 * factor, 1));
@@ -303,6 +305,17 @@ void print_sets(const Console& console, const identification::SetTable& sets) {
     table.add(row);
   }
   table.print(console.out, console.paint_out());
+  if (sets.rows_unknown_datum > 0)
+    console.out << '\n'
+                << sets.rows_unknown_datum
+                << " validation rows left out: their datum has no calibration rows to take its "
+                   "constant from\n";
+  for (std::size_t i = 0; i < sets.cells.size(); ++i)
+    if (const auto all = sets.rows[i % sets.sets.size()]; sets.cells[i].rows < all)
+      console.out << '\n'
+                  << sets.cells[i].model << ", " << sets.cells[i].set << ": "
+                  << all - sets.cells[i].rows << " of " << all
+                  << " rows left out: a channel that the model reads has no value there\n";
 }
 
 ExitCode table(const Session& session, const StudyArguments& a) {
