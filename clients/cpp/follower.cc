@@ -6,6 +6,20 @@ namespace driftwise::client {
 
 using std::chrono::milliseconds;
 
+namespace {
+
+// By the cell's clock from first to last: the clocks of daemon and controller need not agree. A
+// target that is expired when it comes says so by a flag; it lives as long as one between two
+// rebuilds of a daemon with its usual period.
+std::chrono::steady_clock::duration lifetime_of(const Target& target) {
+  constexpr std::chrono::seconds kOfExpired(10);
+  const auto left = target.valid_until - target.conditions_time;
+  if (left.count() <= 0) return kOfExpired;
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(left);
+}
+
+}  // namespace
+
 TargetFollower::State::State(std::shared_ptr<Link> to, Pose pose, milliseconds min_interval)
     : link_(std::move(to)),
       pose_(std::move(pose)),
@@ -26,6 +40,10 @@ TargetFollower::State::~State() {
 
 Answer<Target> TargetFollower::State::latest() const {
   const std::lock_guard lock(mutex_);
+  if (latest_ && std::chrono::steady_clock::now() > expires_)
+    return tl::unexpected(
+        Failure{"EXPIRED", "the newest target is past its valid_until, and " + link_->address +
+                               " has sent no other: the daemon or the network is silent"});
   return latest_;
 }
 
@@ -46,6 +64,7 @@ void TargetFollower::State::publish(Answer<Target> news) {
     // A daemon that stays away is one piece of news, not one per attempt.
     if (!news && !latest_ && news.error().reason == latest_.error().reason) return;
     latest_ = std::move(news);
+    if (latest_) expires_ = std::chrono::steady_clock::now() + lifetime_of(*latest_) + min_interval_;
     ++sequence_;
   }
   changed_.notify_all();

@@ -32,7 +32,8 @@ struct TargetFollower::State {
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
-  Answer<Target> latest_;  // under mutex_, as all below
+  Answer<Target> latest_;                          // under mutex_, as all below
+  std::chrono::steady_clock::time_point expires_;  // of a target, by this computer's clock
   std::uint64_t sequence_ = 0;
   bool ending_ = false;
   grpc::ClientContext* open_ = nullptr;  // the stream being read, for the destructor to cancel

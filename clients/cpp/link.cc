@@ -8,6 +8,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "clients/cpp/failure.h"
+
 namespace driftwise::client {
 namespace {
 
@@ -48,6 +50,10 @@ std::shared_ptr<grpc::Channel> open_channel(
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   // gRPC's own pause between two attempts grows to two minutes; a controller cannot wait so long.
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
+  // A daemon whose computer or cable fell silent is lost after this. It pings by itself every 60 s,
+  // so that this ping goes to a silent one only and its ping policy counts none.
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 90'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 

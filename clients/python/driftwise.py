@@ -9,7 +9,7 @@
 
 One file; copy it. Needs Python 3.9, grpcio and protobuf (Debian: python3-grpcio python3-protobuf).
 Asking never moves anything; stop_all() halts. Failures are DriftwiseError with the daemon's own words and stable reason
-(docs/api.md); this file adds NO_DAEMON, TIMEOUT and NOT_YET. All of it may be used from several threads at once.
+(docs/api.md); this file adds NO_DAEMON, TIMEOUT, NOT_YET and EXPIRED. All of it may be used from several threads at once.
 
 On a command line: driftwise.py [--ca FILE] [--token-file FILE] [--cert FILE --key FILE] HOST:PORT x_mm=1.5 [force_N=0]
 prints one JSON object; exit code 0, 2 usage, 4 daemon not reached, 5 refused.
@@ -23,6 +23,7 @@ import json
 import random
 import sys
 import threading
+import time
 from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 import grpc
@@ -318,13 +319,15 @@ class Cell:
 
 class Follower:
     """The newest target of one pose, kept by a thread. latest() answers from memory and never waits for the network; when
-    the daemon is lost it raises NO_DAEMON instead of an old target, and connects again by itself within about 2 s."""
+    the daemon is lost it raises NO_DAEMON instead of an old target, and connects again by itself within about 2 s. When the
+    daemon or the network falls silent it raises EXPIRED as soon as the target has lived from conditions_time to valid_until."""
 
     def __init__(self, cell: Cell, pose: List[object], min_interval_s: float,
                  on_change: Optional[Callable[["Follower"], None]]) -> None:
         self._cell, self._pose, self._interval_s, self._on_change = cell, pose, min_interval_s, on_change
         self._changed = threading.Condition()
         self._target: Optional[Target] = None
+        self._expires = 0.0  # by time.monotonic(): the daemon's clock need not agree with this computer's
         self._error = DriftwiseError("NOT_YET", "nothing was heard from the daemon yet")
         self._sequence = 0
         self._ending = threading.Event()
@@ -336,6 +339,9 @@ class Follower:
         with self._changed:
             if self._target is None:
                 raise DriftwiseError(self._error.reason, str(self._error), self._error.code)
+            if time.monotonic() > self._expires:
+                raise DriftwiseError("EXPIRED", f"the newest target is past its valid_until, and {self._cell.address} has "
+                                     "sent no other: the daemon or the network is silent")
             return self._target
 
     @property
@@ -359,6 +365,10 @@ class Follower:
     def _put(self, target: Optional[Target], error: Optional[DriftwiseError]) -> None:
         with self._changed:
             self._target = target
+            if target is not None:
+                # One that is expired when it comes says so by a flag.
+                lifetime_s = (target.valid_until - target.conditions_time).total_seconds()
+                self._expires = time.monotonic() + (lifetime_s if lifetime_s > 0 else 10.0) + self._interval_s
             if error is not None:
                 self._error = error
             self._sequence += 1

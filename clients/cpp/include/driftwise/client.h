@@ -23,8 +23,8 @@ namespace driftwise::client {
 
 // reason: UPPER_SNAKE and stable, see docs/api.md ("NO_MODEL", "OUTSIDE_DOMAIN"); this library adds
 // NO_DAEMON (nothing answers at the address), BAD_CREDENTIALS (files that cannot be read), TIMEOUT,
-// NO_NOTICE and BAD_NOTICE (driftwised.json), NOT_YET (a follower has heard nothing yet). message:
-// a sentence for a person.
+// NO_NOTICE and BAD_NOTICE (driftwised.json), NOT_YET (a follower has heard nothing yet) and
+// EXPIRED (a follower has heard nothing for too long). message: a sentence for a person.
 struct Failure {
   std::string reason, message;
 };
@@ -60,7 +60,9 @@ class TargetFollower {
   TargetFollower& operator=(TargetFollower&&) noexcept;
 
   // The newest target, or why there is none now. When the daemon is lost this says NO_DAEMON, not
-  // an old target; it connects again by itself, at most 2 s after the daemon is back.
+  // an old target; it connects again by itself, at most 2 s after the daemon is back. When the
+  // daemon or the network falls silent it says EXPIRED as soon as the target has lived from its
+  // conditions_time to its valid_until on this computer's own clock; sequence() then stays.
   Answer<Target> latest() const;
   std::uint64_t sequence() const;  // grows with every change of latest()
   // Returns when sequence() differs from `seen`, or at the time limit; the sequence then.
