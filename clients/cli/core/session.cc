@@ -42,6 +42,15 @@ std::string write_to(const std::filesystem::path& file, const std::string& text)
   return std::strerror(errno != 0 ? errno : EIO);
 }
 
+// Where a link leads, also to a file that does not exist yet.
+std::filesystem::path end_of_links(std::filesystem::path file) {
+  constexpr int kMostLinks = 40;  // as the kernel
+  std::error_code ignored;
+  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(file, ignored); ++i)
+    file = file.parent_path() / std::filesystem::read_symlink(file, ignored);
+  return file;
+}
+
 }  // namespace
 
 void write_output_file(const std::string& path, const std::string& text,
@@ -60,8 +69,7 @@ void write_output_file(const std::string& path, const std::string& text,
     if (const auto why = write_to(path, text); !why.empty()) throw cannot_write(path, why);
     return;
   }
-  const fs::path file =
-      fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : fs::path(path);
+  const fs::path file = end_of_links(path);
   const fs::path part = file.string() + ".part";
   auto why = write_to(part, text);
   if (why.empty() && std::rename(part.c_str(), file.c_str()) != 0) why = std::strerror(errno);

@@ -30,7 +30,8 @@ TEST(PlanBlockText, GivesOneRangeToAllCoordinatesOrEachItsOwn) {
 TEST(PlanBlockText, NamesTheWordThatItDoesNotUnderstand) {
   for (const char* bad :
        {"", "calibration", "calibraton 0:1:1", "0:1:x", "0-1", "q1=0:1:1", "0:1:1 force=heavy",
-        "0:1:1 zeros=maybe", "0:1 scattered=0", "0:1:1 q7=0:1:1", "0:1:1 scattered=1.5"}) {
+        "0:1:1 force=nan", "0:inf:1", "0:1:1 dwell=inf", "0:1:1 zeros=maybe", "0:1 scattered=0",
+        "0:1:1 q7=0:1:1", "0:1:1 scattered=1.5"}) {
     const auto block = plan_block_from(bad, kAxes);
     ASSERT_FALSE(block) << bad;
     EXPECT_EQ(block.error().reason, "BAD_BLOCK") << bad;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <sstream>
 
 #include "server/core/try.h"
@@ -17,7 +18,8 @@ tl::unexpected<Error> bad_block(const std::string& word, const std::string& expe
 template <class Number>
 bool number_into(std::string_view text, Number& value) {
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return code == std::errc{} && end == text.data() + text.size();
+  return code == std::errc{} && end == text.data() + text.size() &&
+         std::isfinite(static_cast<double>(value));
 }
 
 // "0:2.5:0.5", or "0.1:2.4" where no step is needed.

@@ -49,6 +49,7 @@ ExitCode write_plan(const Console& console, const PlanArguments& a, const char* 
                     const Trajectory& trajectory) {
   const std::string csv = std::string("# ") + standard + ", made by driftwise trajectory\n" +
                           formats::write_trajectory_csv(trajectory);
+  value_or_throw(formats::read_trajectory_csv(csv, "this trajectory"));
   if (a.file.empty() || a.file == "-") {
     console.out << csv << std::flush;
     return ExitCode::done;

@@ -64,6 +64,7 @@ ExitCode make_grid(const Session& session, const GridArguments& a) {
   }
   if (!a.kinematics.empty()) take_to_pose(trajectory, a.kinematics);
   const auto csv = header_of(a) + formats::write_trajectory_csv(trajectory);
+  must_have(formats::read_trajectory_csv(csv, "this trajectory"));
   if (a.file.empty() || a.file == "-") {
     session.console.out << csv;
     return ExitCode::done;

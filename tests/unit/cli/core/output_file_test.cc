@@ -77,6 +77,19 @@ TEST(OutputFile, FollowsALink) {
   EXPECT_EQ(text_of(folder.path() + "/real.csv"), "new");
 }
 
+TEST(OutputFile, FollowsALinkToAFileThatIsNotThereYet) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() + "/disk");
+  fs::create_symlink("disk/real.csv", folder.path() + "/second.csv");
+  fs::create_symlink("second.csv", folder.path() + "/link.csv");
+  cli::write_output_file(folder.path() + "/link.csv", "new");
+  EXPECT_TRUE(fs::is_symlink(folder.path() + "/link.csv"));
+  EXPECT_EQ(text_of(folder.path() + "/disk/real.csv"), "new");
+  fs::create_symlink("none/real.csv", folder.path() + "/lost.csv");
+  EXPECT_THAT(complaint_of(folder.path() + "/lost.csv"), HasSubstr("No such file or directory"));
+  EXPECT_TRUE(fs::is_symlink(folder.path() + "/lost.csv"));
+}
+
 TEST(OutputFile, SaysWhyNotAndLeavesNothingBehind) {
   const TemporaryFolder folder;
   EXPECT_THAT(complaint_of(folder.path() + "/none/a.csv"),
