@@ -3,6 +3,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <exception>
 
 #include "clients/cli/commands/access/certificate_commands.h"
 #include "clients/cli/commands/access/open_command.h"
@@ -235,6 +236,11 @@ int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* int
   } catch (const Failure& failure) {
     complain(console, failure);
     return static_cast<int>(failure.exit);
+  } catch (const std::exception& bug) {
+    complain(console, {ExitCode::refused, "internal", "BUG",
+                       std::string("this command failed inside: ") + bug.what() +
+                           "; please report it with the command and its files"});
+    return static_cast<int>(ExitCode::refused);
   }
 }
 

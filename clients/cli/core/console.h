@@ -69,9 +69,11 @@ struct Console {
   Paint paint_out() const { return Paint(out_is_terminal && colour_wanted()); }
   Paint paint_err() const { return Paint(err_is_terminal && colour_wanted()); }
 
-  // One result for programs: one object, one line on a pipe, indented on a terminal.
+  // One result for programs: one object, one line on a pipe, indented on a terminal. Bytes that are
+  // not UTF-8, of a file's name or of its metadata, are replaced: JSON has no others.
   void print_json(const nlohmann::ordered_json& value) const {
-    out << value.dump(out_is_terminal ? 2 : -1) << '\n' << std::flush;
+    constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+    out << value.dump(out_is_terminal ? 2 : -1, ' ', false, kReplace) << '\n' << std::flush;
   }
 };
 

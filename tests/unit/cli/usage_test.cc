@@ -39,6 +39,48 @@ TEST_F(CliTest, UsageErrorsExitWith2) {
   }
 }
 
+// A file's name, and a remark in it, by a program that writes Latin-1.
+TEST_F(CliTest, JsonHoldsWhatIsNotUtf8) {
+  std::string csv =
+      "# instrument: Me\xdf"
+      "uhr\nq1_mm,x_mm\n";
+  for (int row = 0; row < 30; ++row)
+    csv +=
+        std::to_string(0.1 * row + 1e-6 * (row * 7 % 5)) + "," + std::to_string(0.1 * row) + "\n";
+  const auto fit = run({"model", "grow", file("an\xe4.csv", csv), "--json"});
+  const auto read = run({"fit", file("an\xe4.csv", csv), "--model", "q ~ x", "--json"});
+  for (const auto& said : {fit, read}) {
+    EXPECT_EQ(said.exit, 0) << said.err;
+    EXPECT_TRUE(nlohmann::json::accept(said.out)) << said.out;
+  }
+}
+
+TEST_F(CliTest, AnExceptionIsASentenceAndExitCode5) {
+  std::ostringstream out, err;
+  out.exceptions(std::ios::badbit);
+  out.setstate(std::ios::goodbit);
+  struct Broken : std::streambuf {
+    int overflow(int) override { throw std::runtime_error("the tape is at its end"); }
+  } broken;
+  static_cast<std::ostream&>(out).rdbuf(&broken);
+  cli::Console console{out, err, false, false, 80, environment, folder.path()};
+  EXPECT_EQ(cli::run_cli({"completion", "bash"}, console), 5);
+  EXPECT_THAT(err.str(), HasSubstr("the tape is at its end"));
+}
+
+TEST_F(CliTest, NoTrajectoryIsWrittenThatItsReaderRefuses) {
+  const auto path = folder.path() + "/plan.csv";
+  const auto grid = [&](const std::string& axes, const std::string& block) {
+    return run({"trajectory", "grid", "--axes", axes, "--block", block, "-o", path});
+  };
+  EXPECT_NE(grid("q1,q1", "calibration 0:1:0.5").exit, 0);
+  EXPECT_NE(grid("q1", "calibration 0:1:0.5 dwell=-5").exit, 0);
+  EXPECT_NE(grid("q1", "calibration 0:1:0.5 force=nan").exit, 0);
+  EXPECT_NE(run({"trajectory", "iso230-2", "--from", "0", "--to", "inf", "-o", path}).exit, 0);
+  EXPECT_FALSE(std::ifstream(path).good());
+  EXPECT_EQ(grid("q1", "calibration 0:1:0.5 dwell=5").exit, 0);
+}
+
 TEST_F(CliTest, ASlipInAVerbIsToldTheNearestOne) {
   EXPECT_THAT(run({"staus"}).err, HasSubstr("there is no 'staus': did you mean status?"));
   EXPECT_THAT(run({"run", "strt"}).err, HasSubstr("there is no 'strt': did you mean start?"));
