@@ -21,8 +21,9 @@ using Eigen::Index;
 
 std::vector<std::string> symbols_read(const MethodOptions& options) {
   std::vector<std::string> symbols = options.fit.candidates.outputs;
-  for (const auto& term : options.fit.candidates.terms)
-    for (const auto& symbol : effects::symbols_of(term)) symbols.push_back(symbol);
+  for (const auto* terms : {&options.fit.candidates.terms, &options.fit.forced})
+    for (const auto& term : *terms)
+      for (const auto& symbol : effects::symbols_of(term)) symbols.push_back(symbol);
   if (options.mechanism)
     for (const auto* channels : {&options.mechanism->inputs(), &options.mechanism->outputs()})
       for (const auto& channel : *channels) symbols.push_back(channel.symbol);

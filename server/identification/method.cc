@@ -8,6 +8,7 @@
 #include "server/core/data/unusable_values.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::identification {
 namespace {
@@ -53,6 +54,12 @@ Result<Identification> identified(const Dataset& dataset, const MethodOptions& o
   asked.placement_only = placement_only;
   if (!placement_only) {
     asked.terms = options.fit.candidates.terms;
+    std::erase_if(asked.terms, [&options](const effects::Term& term) {
+      const auto& out = options.fit.excluded;
+      return std::ranges::find(out, effects::canonical(term), [](const effects::Term& one) {
+               return effects::canonical(one);
+             }) != out.end();
+    });
     asked.terms.insert(asked.terms.end(), options.fit.forced.begin(), options.fit.forced.end());
   }
   return identify(dataset, asked);

@@ -84,5 +84,66 @@ TEST_F(CliTest, SaysWhatAMethodNeeds) {
   EXPECT_THAT(at_daemon.err, HasSubstr("works on a file only"));
 }
 
+// q1 follows t01; t02 is another thermometer beside it.
+std::string warming_axis() {
+  std::string csv = "time_s,q1_mm,x_mm,t01_degC,t02_degC\n";
+  for (int row = 0; row < 80; ++row) {
+    const double x = 0.05 * (row * 7 % 40), first = 20 + 0.02 * row + 0.01 * (row * 5 % 7),
+                 second = 20 + 0.02 * row + 0.05 * (row * 3 % 5);
+    csv += std::to_string(60 * row) + "," +
+           std::to_string(x + 1e-3 * (first - 20) + 1e-6 * (row * 3 % 7)) + "," +
+           std::to_string(x) + "," + std::to_string(first) + "," + std::to_string(second) + "\n";
+  }
+  return csv;
+}
+
+TEST_F(CliTest, TermsForcedAndLeftOutCountForEveryStudyOfAFile) {
+  const auto data = file("warming.csv", warming_axis());
+  const std::string formula = "q ~ x + T";
+  const auto compared = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> line{"model", "compare", data, "--model", formula};
+    line.insert(line.end(), more.begin(), more.end());
+    return json(line)["methods"][0]["outputs"]["q1"]["a90_calibration_nm"].get<double>();
+  };
+  const double all = compared({}), without = compared({"--without", "t01"});
+  EXPECT_GT(without, 5 * all) << "t01 carries the answer";
+  EXPECT_NE(compared({"--without", "t01", "--without", "t02"}),
+            compared({"--without", "t01", "--without", "t02", "--force", "x^2"}));
+  const auto sensors = json({"model", "sensors", data, "--model", formula});
+  const auto fewer = json({"model", "sensors", data, "--model", formula, "--without", "t01"});
+  EXPECT_GT(fewer["sets"][0]["a90_blocks_rms_nm"].get<double>(),
+            5 * sensors["sets"][0]["a90_blocks_rms_nm"].get<double>());
+}
+
+TEST_F(CliTest, ATermThatIsNotOfferedCannotBeLeftOut) {
+  const auto data = file("warming.csv", warming_axis());
+  for (const auto& line : std::vector<std::vector<std::string>>{
+           {"fit", data}, {"model", "compare", data}, {"model", "sensors", data}}) {
+    auto words = line;
+    words.insert(words.end(), {"--model", "q ~ x + T", "--without", "x^2"});
+    const auto said = run(words);
+    EXPECT_EQ(said.exit, 3) << said.out;
+    EXPECT_THAT(said.err, HasSubstr("--without x^2: the formula offers no such term"));
+  }
+}
+
+TEST_F(CliTest, AnOptionThatACommandCannotUseIsRefused) {
+  const auto data = file("warming.csv", warming_axis());
+  const auto model = [&](std::vector<std::string> line) {
+    line.insert(line.end(), {"--model", "q ~ x + T"});
+    return run(line);
+  };
+  const auto residuals = folder.path() + "/r.csv";
+  for (const auto& said :
+       {model({"model", "compare", data, "--residuals", residuals}),
+        model({"model", "sensors", data, "--history"}),
+        model({"fit", kData, "--method", "classic", "--kinematics", kRobot, "--offers"}),
+        model({"fit", data, "--format", "c"}), model({"fit", data, "--kinematics", kRobot})})
+    EXPECT_EQ(said.exit, 2) << said.out;
+  EXPECT_THAT(model({"model", "compare", data, "--residuals", residuals}).err,
+              HasSubstr("--residuals is no option of model compare"));
+  EXPECT_THAT(model({"fit", data, "--format", "c"}).err, HasSubstr("give -o FILE"));
+}
+
 }  // namespace
 }  // namespace driftwise::tests

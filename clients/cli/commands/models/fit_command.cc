@@ -1,5 +1,6 @@
 #include "clients/cli/commands/models/fit_command.h"
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -21,6 +22,7 @@
 #include "server/formats/model/fit_json.h"
 #include "server/formats/model/model_json.h"
 #include "server/formats/text/row_ranges.h"
+#include "server/formats/text/text.h"
 #include "server/identification/limits.h"
 #include "server/threads/threaded_executor.h"
 
@@ -239,6 +241,37 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
   return options;
 }
 
+void set_terms(const FitOfFile& fit, const Dataset& data, calibration::FitOptions& options) {
+  if (!fit.formula.empty())
+    options.candidates =
+        value_or_throw(value_or_throw(formats::Formula::parse(fit.formula)).expand(data));
+  options.forced = terms_of(fit.force, data);
+  options.excluded = terms_of(fit.without, data);
+  std::vector<std::string> offered;
+  for (const auto& term : options.candidates.terms) offered.push_back(effects::notation(term));
+  for (std::size_t i = 0; i < options.excluded.size(); ++i) {
+    const std::string term = effects::notation(options.excluded[i]);
+    if (std::ranges::find(offered, term) != offered.end()) continue;
+    const auto nearest =
+        formats::nearest_word(term, std::vector<std::string_view>(offered.begin(), offered.end()));
+    throw Failure{ExitCode::bad_input, "invalid_argument", "NOT_OFFERED",
+                  "--without " + fit.without[i] + ": the formula offers no such term" +
+                      (nearest.empty() ? "" : ", did you mean " + nearest + "?") +
+                      " (--exclude leaves out every term of a channel)"};
+  }
+}
+
+void refuse_fit_only_options(const FitOfFile& fit, const std::string& command) {
+  const char* option = !fit.residuals.empty() ? "--residuals"
+                       : fit.history          ? "--history"
+                       : fit.offers           ? "--offers"
+                                              : nullptr;
+  if (option != nullptr)
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  std::string(option) + " is no option of " + command +
+                      ": it goes with a fit of terms, driftwise fit DATA --model FORMULA"};
+}
+
 Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
                         const calibration::Executor& executor) {
   Dataset data = value_or_throw(formats::read_dataset_csv(text, name, executor));
@@ -274,13 +307,10 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
                   const std::string& name) {
   calibration::FitOptions options = fit_options(fit);
   options.lineage.source = name;
-  const auto formula = value_or_throw(formats::Formula::parse(fit.formula));
   const Dataset data = dataset_of_file(fit, text, name, options.executor);
   options.set_names = set_names_of(data, fit, text, name);
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
-  options.candidates = value_or_throw(formula.expand(data));
-  options.forced = terms_of(fit.force, data);
-  options.excluded = terms_of(fit.without, data);
+  set_terms(fit, data, options);
   auto fitted = calibration::fit(data, options);
   if (!fitted) fitted.error().message.insert(0, name + ": ");  // which of many files
   const calibration::Model model = value_or_throw(std::move(fitted));

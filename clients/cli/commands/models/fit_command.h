@@ -43,6 +43,14 @@ void add_fit_options(CLI::App& command, FitOfFile& fit);
 // parse.
 calibration::FitOptions fit_options(const FitOfFile& fit);
 
+// The terms: what the formula offers, --force and --without. Throws Failure (bad_input) for a term
+// that does not parse, and for a --without that is none of those offered.
+void set_terms(const FitOfFile& fit, const Dataset& data, calibration::FitOptions& options);
+
+// Throws Failure (usage) for an option of a fit that shows or writes what only `fit` of a model of
+// terms has. command: for the sentence, "model sensors".
+void refuse_fit_only_options(const FitOfFile& fit, const std::string& command);
+
 // The rows of a file as the options have them: those of --exclude-rows kept out, those of
 // --validation beside them. Throws Failure (bad_input) with the reader's reason.
 Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,

@@ -143,6 +143,14 @@ ExitCode fit(const Session& session, FitArguments& a) {
   if (a.method != "stepwise" && !a.fit.output.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "-o writes a model of terms: it goes with --method stepwise"};
+  if (a.fit.format != "json" && a.fit.output.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "--format " + a.fit.format +
+                      " says how -o writes the model: give -o FILE, or leave it out"};
+  if (a.method == "stepwise" && !(a.methods.kinematics.empty() && a.methods.together.empty()))
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  std::string(a.methods.kinematics.empty() ? "--together" : "--kinematics") +
+                      " goes with --method classic, kinematic or nominal"};
   if (a.method != "stepwise") {
     MethodsOfFile methods = a.methods;
     methods.methods = {a.method};

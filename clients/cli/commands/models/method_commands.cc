@@ -7,7 +7,6 @@
 #include "clients/cli/core/value_or_throw.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/formats/cell_file/kinematics_section.h"
-#include "server/formats/formula/formula.h"
 #include "server/formats/model/method_json.h"
 #include "server/identification/accuracy.h"
 
@@ -26,9 +25,7 @@ Asked read_question(const FitOfFile& fit, const MethodsOfFile& methods, std::str
   asked.options.fit = fit_options(fit);
   asked.data = dataset_of_file(fit, text, name, asked.options.fit.executor);
   asked.options.fit.lineage.source = name;
-  if (!fit.formula.empty())
-    asked.options.fit.candidates =
-        value_or_throw(value_or_throw(formats::Formula::parse(fit.formula)).expand(asked.data));
+  set_terms(fit, asked.data, asked.options.fit);
   if (!methods.kinematics.empty())
     asked.options.mechanism = value_or_throw(kinematics::make_mechanism(value_or_throw(
         formats::parse_robot_file(read_input_file(methods.kinematics), methods.kinematics))));
@@ -58,6 +55,7 @@ void add_method_options(CLI::App& command, MethodsOfFile& methods) {
 ExitCode fit_file_by_method(const Console& console, const FitOfFile& fit,
                             const MethodsOfFile& methods, std::string_view text,
                             const std::string& name) {
+  refuse_fit_only_options(fit, "fit --method " + methods.methods.front());
   const auto method = identification::method_from(methods.methods.front());
   const auto judgement = judged(read_question(fit, methods, text, name), method.value());
   if (console.json)
@@ -69,6 +67,7 @@ ExitCode fit_file_by_method(const Console& console, const FitOfFile& fit,
 
 ExitCode compare_methods(const Console& console, const FitOfFile& fit, const MethodsOfFile& methods,
                          std::string_view text, const std::string& name) {
+  refuse_fit_only_options(fit, "model compare");
   const Asked asked = read_question(fit, methods, text, name);
   std::vector<identification::Method> chosen;
   for (const auto& one : methods.methods)
@@ -91,6 +90,7 @@ ExitCode compare_methods(const Console& console, const FitOfFile& fit, const Met
 ExitCode compare_methods_of_runs(const Session& session, const FitOfFile& fit,
                                  const MethodsOfFile& methods,
                                  const std::vector<std::int64_t>& runs) {
+  refuse_fit_only_options(fit, "model compare");
   v1::CompareMethodsRequest request;
   *request.mutable_fit() = fit_request_of(fit, runs);
   for (const auto& method : methods.methods) request.add_methods(method);

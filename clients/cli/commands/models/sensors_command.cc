@@ -14,7 +14,6 @@
 #include "clients/cli/core/value_or_throw.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/calibration/sensor_sets.h"
-#include "server/formats/formula/formula.h"
 
 namespace driftwise::cli {
 namespace {
@@ -106,8 +105,7 @@ ExitCode study_file(const Console& console, const SensorsArguments& a) {
   auto options = fit_options(a.fit);
   const Dataset data = dataset_of_file(a.fit, InputText(a.file).text(), a.file, options.executor);
   options.stopwatch_us = {};
-  options.candidates =
-      value_or_throw(value_or_throw(formats::Formula::parse(a.fit.formula)).expand(data));
+  set_terms(a.fit, data, options);
   const auto found =
       value_or_throw(calibration::study_sensors(data, options, a.tolerance_pct / 100));
   const auto* output = data.find(found.best.front().outputs.front().output);
@@ -160,6 +158,7 @@ ExitCode study(const Session& session, const SensorsArguments& a) {
                       (a.file.empty() ? "neither" : "both") + " a file and --run; give one"};
   if (a.fit.formula.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE", "--model is required: a formula with T in it"};
+  refuse_fit_only_options(a.fit, "model sensors");
   return a.file.empty() ? study_runs(session, a) : study_file(session.console, a);
 }
 
