@@ -1,6 +1,10 @@
 // Of runs at the daemon: methods side by side, the choice of thermometers, a formula before a fit,
 // residuals, the correction over a plane. And a second file that validates.
 
+#include <sys/stat.h>
+
+#include <thread>
+
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -188,6 +192,56 @@ TEST_F(StudyCommandsTest, AValidationFileThatCannotBeHeldBesideTheFirstIsRefused
   EXPECT_THAT(said(plain, plain), HasSubstr("row")) << "the same rows hold nothing out";
   // One datum where the other says none: they are the same.
   EXPECT_EQ(run({"fit", plain, "--model", "q ~ x", "--validation", datums}).exit, 0);
+}
+
+TEST_F(StudyCommandsTest, TermsOfTimeNeedToKnowWhenTheSecondFileBegan) {
+  const auto first = file("first.csv", rows_of("", "", 0));
+  const auto second = file("second.csv", rows_of("", "", 0.1));
+  const auto said = [&](const std::string& one, const std::string& two, const std::string& term) {
+    return run({"fit", one, "--model", "q ~ x + x^2 + " + term, "--validation", two});
+  };
+  for (const char* term : {"drift()", "lag(x, 60 s)", "sin_t(100 s)", "play(q1, 50 nm)"}) {
+    const auto refused = said(first, second, term);
+    EXPECT_EQ(refused.exit, 3) << term;
+    EXPECT_THAT(refused.err, HasSubstr("# time_zero: ")) << term;
+  }
+  EXPECT_EQ(said(first, second, "sin(x, 316 um)").exit, 0) << "no memory";
+  const auto dated = [&](const std::string& name, const std::string& hour, double shift) {
+    return file(name, "# time_zero: 2026-11-30T" + hour + ":00:00Z\n" + rows_of("", "", shift));
+  };
+  const auto morning = dated("morning.csv", "08", 0), noon = dated("noon.csv", "12", 0.1);
+  EXPECT_EQ(said(morning, noon, "drift()").exit, 0);
+  EXPECT_EQ(said(morning, second, "drift()").exit, 3) << "one of them is not enough";
+}
+
+TEST_F(StudyCommandsTest, AValidationFileOfWhichNoRowCanBeJudgedIsRefused) {
+  const auto warm = file("warm.csv", rows_of("t01_degC,", "20.5,", 0));
+  const auto plain = file("plain.csv", rows_of("", "", 0.1));
+  const auto empty = file("empty.csv", rows_of("t01_degC,", ",", 0.1));
+  const auto lacking = run({"fit", warm, "--model", "q ~ x + t01", "--validation", plain});
+  EXPECT_EQ(lacking.exit, 3) << lacking.out;
+  EXPECT_THAT(lacking.err, HasSubstr("has no channel 't01', which the model reads"));
+  for (const auto& words : {std::vector<std::string>{"fit"}, {"model", "compare"}}) {
+    auto line = words;
+    line.insert(line.end(), {warm, "--model", "q ~ x + t01", "--validation", empty});
+    const auto none = run(line);
+    EXPECT_EQ(none.exit, 3) << none.out;
+    EXPECT_THAT(none.err, HasSubstr("none of its rows can be judged"));
+  }
+  EXPECT_EQ(run({"fit", warm, "--model", "q ~ x", "--validation", plain}).exit, 0)
+      << "a channel that no term reads";
+}
+
+TEST_F(StudyCommandsTest, AValidationFileThatIsAPipeIsReadOnce) {
+  const auto first = file("first.csv", rows_of("", "", 0));
+  const std::string pipe = folder.path() + "/pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << rows_of("set,", "inside,", 0.1); });
+  const auto fit = run({"fit", first, "--model", "q ~ x + x^2", "--validation", pipe});
+  writer.join();
+  EXPECT_EQ(fit.exit, 0) << fit.err;
+  EXPECT_THAT(fit.out, HasSubstr("of them inside, 24 rows"));
+  EXPECT_EQ(run({"fit", "-", "--model", "q ~ x", "--validation", "-"}).exit, 2);
 }
 
 }  // namespace

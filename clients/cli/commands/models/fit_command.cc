@@ -1,5 +1,3 @@
-#include "clients/cli/commands/models/fit_command.h"
-
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -8,12 +6,15 @@
 #include <filesystem>
 #include <optional>
 
+#include "clients/cli/commands/models/fit_command.h"
 #include "clients/cli/commands/models/residuals_file.h"
 #include "clients/cli/commands/models/validation_file.h"
+#include "clients/cli/core/input_text.h"
 #include "clients/cli/core/session.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
 #include "server/calibration/offer.h"
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/csv/set_names.h"
@@ -117,33 +118,66 @@ void exclude_rows(Dataset& data, const std::string& text, const std::string& nam
   }
 }
 
-void add_validation(Dataset& data, const FitOfFile& fit, const std::string& name) {
+// Names of the validation sets of file and --validation, per row of data; empty: there are none.
+std::vector<std::string> joined_set_names(const Dataset& data, std::vector<std::string> others) {
+  for (auto& word : others)  // every row of that file validates
+    if (word == "calibration") word = "validation";
+  std::size_t validating = 0;
+  for (const auto set : data.set) validating += set == PointSet::validation ? 1 : 0;
+  if (others.empty()) others.assign(validating, "validation");
+  std::vector<std::string> names(data.rows - validating, "calibration");
+  const bool leads = data.set.front() == PointSet::validation;  // its rows stand first
+  names.insert(leads ? names.begin() : names.end(), others.begin(), others.end());
+  return names;
+}
+
+void add_validation(RowsOfFile& rows, const FitOfFile& fit, const std::string& name) {
   if (fit.first_rows > 0)
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "--first and --validation do not go together: both say which rows calibrate"};
-  const auto validation =
-      value_or_throw(formats::read_dataset_csv(read_input_file(fit.validation), fit.validation));
-  data = with_validation_rows(data, name, validation, fit.validation);
+  const InputText text(fit.validation);
+  const auto validation = value_or_throw(formats::read_dataset_csv(text.text(), fit.validation));
+  for (const auto& column : rows.data.columns)
+    if (validation.find(column.channel.symbol) == nullptr)
+      rows.lacking.push_back(column.channel.symbol);
+  if (!rows.data.dwell_s.empty() && validation.dwell_s.empty()) rows.lacking.emplace_back("dwell");
+  rows.times_supposed = !times_are_related(rows.data, validation);
+  rows.data = with_validation_rows(rows.data, name, validation, fit.validation);
+  rows.set_names = joined_set_names(
+      rows.data, value_or_throw(formats::read_set_names(text.text(), fit.validation)));
 }
 
-// Names of the validation sets of file and --validation, per row of data; empty: there are none.
-std::vector<std::string> set_names_of(const Dataset& data, const FitOfFile& fit,
-                                      std::string_view text, const std::string& name) {
-  auto names = value_or_throw(formats::read_set_names(text, name));
-  if (!fit.validation.empty()) {
-    auto others =
-        value_or_throw(formats::read_set_names(read_input_file(fit.validation), fit.validation));
-    for (auto& word : others)  // every row of that file validates
-      if (word == "calibration") word = "validation";
-    std::size_t validating = 0;
-    for (const auto set : data.set) validating += set == PointSet::validation ? 1 : 0;
-    if (others.empty()) others.assign(validating, "validation");
-    names.assign(data.rows - validating, "calibration");
-    const bool leads = data.set.front() == PointSet::validation;  // its rows stand first
-    names.insert(leads ? names.begin() : names.end(), others.begin(), others.end());
+// Whether the fit may have a term of the formula.
+bool is_offered(const effects::Term& term, const calibration::FitOptions& options) {
+  const std::string text = effects::notation(term);
+  for (const auto& out : options.excluded)
+    if (effects::notation(out) == text) return false;
+  return std::ranges::none_of(effects::symbols_of(term), [&options](const std::string& symbol) {
+    return std::ranges::find(options.exclude_channels, symbol) != options.exclude_channels.end();
+  });
+}
+
+void refuse_terms_of_other_rows(const FitOfFile& fit, const RowsOfFile& rows,
+                                const calibration::FitOptions& options) {
+  const auto refuse_lacking = [&](const std::string& symbol) {
+    if (std::ranges::find(rows.lacking, symbol) != rows.lacking.end())
+      throw Failure{ExitCode::bad_input, "invalid_argument", reasons::kUnknownChannel,
+                    "--validation " + fit.validation + " has no channel '" + symbol +
+                        "', which the model reads: none of its rows could be judged"};
+  };
+  for (const auto& output : options.candidates.outputs) refuse_lacking(output);
+  std::vector<effects::Term> terms = options.forced;
+  for (const auto& term : options.candidates.terms)
+    if (is_offered(term, options)) terms.push_back(term);
+  for (const auto& term : terms) {
+    for (const auto& symbol : effects::symbols_of(term)) refuse_lacking(symbol);
+    if (rows.times_supposed && depends_on_times(term))
+      throw Failure{ExitCode::bad_input, "invalid_argument", reasons::kUntimed,
+                    effects::notation(term) + ": when the rows of --validation " + fit.validation +
+                        " were measured, before or after those of the first file, is not known; "
+                        "give both files a line '# time_zero: 2026-11-30T08:00:00Z', the instant "
+                        "that their time_s counts from"};
   }
-  if (formats::named_sets(names).empty() || names.size() != data.rows) names.clear();
-  return names;
 }
 
 // The model as `model export` writes it, the C functions named after the data's file.
@@ -241,12 +275,12 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
   return options;
 }
 
-void set_terms(const FitOfFile& fit, const Dataset& data, calibration::FitOptions& options) {
+void set_terms(const FitOfFile& fit, const RowsOfFile& rows, calibration::FitOptions& options) {
   if (!fit.formula.empty())
     options.candidates =
-        value_or_throw(value_or_throw(formats::Formula::parse(fit.formula)).expand(data));
-  options.forced = terms_of(fit.force, data);
-  options.excluded = terms_of(fit.without, data);
+        value_or_throw(value_or_throw(formats::Formula::parse(fit.formula)).expand(rows.data));
+  options.forced = terms_of(fit.force, rows.data);
+  options.excluded = terms_of(fit.without, rows.data);
   std::vector<std::string> offered;
   for (const auto& term : options.candidates.terms) offered.push_back(effects::notation(term));
   for (std::size_t i = 0; i < options.excluded.size(); ++i) {
@@ -259,6 +293,15 @@ void set_terms(const FitOfFile& fit, const Dataset& data, calibration::FitOption
                       (nearest.empty() ? "" : ", did you mean " + nearest + "?") +
                       " (--exclude leaves out every term of a channel)"};
   }
+  refuse_terms_of_other_rows(fit, rows, options);
+}
+
+void require_validation_rows(const FitOfFile& fit, std::int64_t judged) {
+  if (fit.validation.empty() || judged > 0) return;
+  throw Failure{ExitCode::bad_input, "invalid_argument", reasons::kNoRows,
+                "--validation " + fit.validation +
+                    ": none of its rows can be judged: each lacks a value that the model reads, is "
+                    "excluded, or is of a datum that the first file does not have"};
 }
 
 void refuse_fit_only_options(const FitOfFile& fit, const std::string& command) {
@@ -272,12 +315,19 @@ void refuse_fit_only_options(const FitOfFile& fit, const std::string& command) {
                       ": it goes with a fit of terms, driftwise fit DATA --model FORMULA"};
 }
 
-Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
+RowsOfFile rows_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
                         const calibration::Executor& executor) {
-  Dataset data = value_or_throw(formats::read_dataset_csv(text, name, executor));
-  exclude_rows(data, fit.exclude_rows, name);
-  if (!fit.validation.empty()) add_validation(data, fit, name);
-  return data;
+  if (fit.validation == "-" && name == "-")
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "the file and --validation are both standard input: give one of them a name"};
+  RowsOfFile rows;
+  rows.data = value_or_throw(formats::read_dataset_csv(text, name, executor));
+  rows.set_names = value_or_throw(formats::read_set_names(text, name));
+  exclude_rows(rows.data, fit.exclude_rows, name);
+  if (!fit.validation.empty()) add_validation(rows, fit, name);
+  if (formats::named_sets(rows.set_names).empty() || rows.set_names.size() != rows.data.rows)
+    rows.set_names.clear();
+  return rows;
 }
 
 void print_fit(const Console& console, const FitOfFile& fit, const calibration::Model& model,
@@ -307,13 +357,15 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
                   const std::string& name) {
   calibration::FitOptions options = fit_options(fit);
   options.lineage.source = name;
-  const Dataset data = dataset_of_file(fit, text, name, options.executor);
-  options.set_names = set_names_of(data, fit, text, name);
+  const RowsOfFile rows = rows_of_file(fit, text, name, options.executor);
+  const Dataset& data = rows.data;
+  options.set_names = rows.set_names;
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
-  set_terms(fit, data, options);
+  set_terms(fit, rows, options);
   auto fitted = calibration::fit(data, options);
   if (!fitted) fitted.error().message.insert(0, name + ": ");  // which of many files
   const calibration::Model model = value_or_throw(std::move(fitted));
+  require_validation_rows(fit, model.lineage.rows_validation);
   std::vector<calibration::OfferResult> offers;
   if (fit.offers)
     offers = value_or_throw(calibration::weigh_offers(

@@ -36,6 +36,14 @@ struct FitOfFile {
   bool offers = false;     // print what the published study's further terms would add
 };
 
+// Rows that a fit is made of.
+struct RowsOfFile {
+  Dataset data;
+  std::vector<std::string> set_names;  // FitOptions::set_names
+  std::vector<std::string> lacking;    // channels that --validation's file does not have: symbols
+  bool times_supposed = false;         // when the second file began is not known
+};
+
 // Adds the options of a fit to a command: --model to --offers. fit outlives the command.
 void add_fit_options(CLI::App& command, FitOfFile& fit);
 
@@ -44,16 +52,21 @@ void add_fit_options(CLI::App& command, FitOfFile& fit);
 calibration::FitOptions fit_options(const FitOfFile& fit);
 
 // The terms: what the formula offers, --force and --without. Throws Failure (bad_input) for a term
-// that does not parse, and for a --without that is none of those offered.
-void set_terms(const FitOfFile& fit, const Dataset& data, calibration::FitOptions& options);
+// that does not parse, for a --without that is none of those offered, and for a term that rows of
+// --validation have no value of.
+void set_terms(const FitOfFile& fit, const RowsOfFile& rows, calibration::FitOptions& options);
+
+// Throws Failure (bad_input) where --validation names a file and none of its rows was judged.
+void require_validation_rows(const FitOfFile& fit, std::int64_t judged);
 
 // Throws Failure (usage) for an option of a fit that shows or writes what only `fit` of a model of
 // terms has. command: for the sentence, "model sensors".
 void refuse_fit_only_options(const FitOfFile& fit, const std::string& command);
 
 // The rows of a file as the options have them: those of --exclude-rows kept out, those of
-// --validation beside them. Throws Failure (bad_input) with the reader's reason.
-Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
+// --validation beside them; that file is read once. Throws Failure (bad_input) with the reader's
+// reason.
+RowsOfFile rows_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
                         const calibration::Executor& executor);
 
 // A page, or with --json driftwise.fit.v1; offers only where fit.offers asks for them. data: what

@@ -14,7 +14,7 @@ namespace driftwise::cli {
 namespace {
 
 struct Asked {
-  Dataset data;
+  RowsOfFile rows;
   identification::MethodOptions options;
   identification::JudgeOptions judge;
 };
@@ -23,9 +23,9 @@ Asked read_question(const FitOfFile& fit, const MethodsOfFile& methods, std::str
                     const std::string& name) {
   Asked asked;
   asked.options.fit = fit_options(fit);
-  asked.data = dataset_of_file(fit, text, name, asked.options.fit.executor);
+  asked.rows = rows_of_file(fit, text, name, asked.options.fit.executor);
   asked.options.fit.lineage.source = name;
-  set_terms(fit, asked.data, asked.options.fit);
+  set_terms(fit, asked.rows, asked.options.fit);
   if (!methods.kinematics.empty())
     asked.options.mechanism = value_or_throw(kinematics::make_mechanism(value_or_throw(
         formats::parse_robot_file(read_input_file(methods.kinematics), methods.kinematics))));
@@ -35,9 +35,12 @@ Asked read_question(const FitOfFile& fit, const MethodsOfFile& methods, std::str
   return asked;
 }
 
-identification::Judgement judged(const Asked& asked, identification::Method method) {
-  return value_or_throw(
-      identification::judge_method(asked.data, method, asked.options, asked.judge));
+identification::Judgement judged(const FitOfFile& fit, const Asked& asked,
+                                 identification::Method method) {
+  auto judgement = value_or_throw(
+      identification::judge_method(asked.rows.data, method, asked.options, asked.judge));
+  require_validation_rows(fit, judgement.rows_validation);
+  return judgement;
 }
 
 }  // namespace
@@ -57,7 +60,7 @@ ExitCode fit_file_by_method(const Console& console, const FitOfFile& fit,
                             const std::string& name) {
   refuse_fit_only_options(fit, "fit --method " + methods.methods.front());
   const auto method = identification::method_from(methods.methods.front());
-  const auto judgement = judged(read_question(fit, methods, text, name), method.value());
+  const auto judgement = judged(fit, read_question(fit, methods, text, name), method.value());
   if (console.json)
     console.print_json(formats::method_json(judgement, fit.formula));
   else
@@ -79,7 +82,7 @@ ExitCode compare_methods(const Console& console, const FitOfFile& fit, const Met
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "compare what? give --model FORMULA, --kinematics robot.toml, or both"};
   std::vector<identification::Judgement> judgements;
-  for (const auto method : chosen) judgements.push_back(judged(asked, method));
+  for (const auto method : chosen) judgements.push_back(judged(fit, asked, method));
   if (console.json)
     console.print_json(formats::comparison_json(judgements, fit.formula));
   else

@@ -103,9 +103,10 @@ ExitCode show_study(const Console& console, const calibration::SensorStudy& foun
 
 ExitCode study_file(const Console& console, const SensorsArguments& a) {
   auto options = fit_options(a.fit);
-  const Dataset data = dataset_of_file(a.fit, InputText(a.file).text(), a.file, options.executor);
+  const auto rows = rows_of_file(a.fit, InputText(a.file).text(), a.file, options.executor);
+  const Dataset& data = rows.data;
   options.stopwatch_us = {};
-  set_terms(a.fit, data, options);
+  set_terms(a.fit, rows, options);
   const auto found =
       value_or_throw(calibration::study_sensors(data, options, a.tolerance_pct / 100));
   const auto* output = data.find(found.best.front().outputs.front().output);

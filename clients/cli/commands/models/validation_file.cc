@@ -6,6 +6,7 @@
 
 #include "clients/cli/core/console.h"
 #include "server/core/cell_time.h"
+#include "server/effects/effect.h"
 
 namespace driftwise::cli {
 namespace {
@@ -88,7 +89,26 @@ std::vector<T> joined_or(const std::vector<T>& first, const std::vector<T>& seco
   return all;
 }
 
+bool call_depends_on_times(const effects::Call& call) {
+  const auto* kind = effects::find_effect(call.effect);
+  return kind != nullptr &&
+         (kind->in_data_time || kind->observes_path ||
+          std::ranges::any_of(kind->parameters, [](const auto& one) { return one.unit == "s"; }));
+}
+
 }  // namespace
+
+bool times_are_related(const Dataset& calibration, const Dataset& validation) {
+  if (calibration.time_s.empty() || validation.time_s.empty()) return true;
+  return time_zero_s(calibration) && time_zero_s(validation);
+}
+
+bool depends_on_times(const effects::Term& term) {
+  return std::ranges::any_of(term.factors, [](const effects::Factor& factor) {
+    const auto* call = std::get_if<effects::Call>(&factor);
+    return call != nullptr && call_depends_on_times(*call);
+  });
+}
 
 Dataset with_validation_rows(const Dataset& calibration, const std::string& calibration_name,
                              const Dataset& validation, const std::string& validation_name) {
