@@ -278,6 +278,7 @@ class Join {
     auto& data = out_.data;
     const auto& first = parts_[0].data;
     data.rows = out_.report.rows = order.size();
+    for (const auto k : order) out_.rows.push_back(rows_.row[k]);
     data.time_s = of_first(first.time_s, rows_, order);
     data.set = of_first(first.set, rows_, order);
     data.line = of_first(first.line, rows_, order);

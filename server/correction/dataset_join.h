@@ -14,7 +14,8 @@
 namespace driftwise::correction {
 
 struct JoinedData {
-  Dataset data;  // metadata: empty
+  Dataset data;                    // metadata: empty
+  std::vector<std::int64_t> rows;  // of the trajectory, from 0, that each row of the data is
   JoinReport report;
 };
 

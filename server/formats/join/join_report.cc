@@ -4,6 +4,7 @@
 
 #include "server/core/data/dataset_parts.h"
 #include "server/core/data/measured_by.h"
+#include "server/core/data/overruns.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -129,6 +130,10 @@ std::vector<std::pair<std::string, std::string>> join_metadata(
       lines.emplace_back("tool", part.tool);
       break;
     }
+  // The times and the path are those of the first part.
+  for (const char* key : {"time_zero", kOverruns})
+    if (const auto value = value_of(parts.front().data, key); !value.empty())
+      lines.emplace_back(key, value);
   Parts places;
   for (const auto& part : parts)
     for (const auto& place : parts_from(part.data.metadata))

@@ -39,5 +39,30 @@ TEST_F(NamedSetsTest, OfAnImportedFileHaveFiguresOfTheirOwn) {
   EXPECT_EQ(unnamed.at("sets").size(), 60u);
 }
 
+std::string two_sets() {
+  std::string csv = "time_s,set,q1_nm,x_mm,t01_degC\n";
+  for (int row = 0; row < 60; ++row) {
+    const double x_mm = 0.1 * (row % 15) + 0.001 * row, degc = 20 + 0.1 * (row * 7 % 11);
+    csv += std::to_string(20 * row) +
+           (row < 30   ? ",calibration,"
+            : row < 44 ? ",inside,"
+                       : ",outside,") +
+           std::to_string(1e6 * x_mm + 300 * degc + (row >= 44 ? 100 : 0) + (row % 2 ? 2 : -2)) +
+           "," + std::to_string(x_mm) + "," + std::to_string(degc) + "\n";
+  }
+  return csv;
+}
+
+TEST_F(NamedSetsTest, ResidualsOfAFileKeepThem) {
+  const auto left = folder.path() + "/left.csv";
+  const auto fit =
+      run({"fit", file("two.csv", two_sets()), "--model", "q ~ x + t01", "--residuals", left});
+  ASSERT_EQ(fit.exit, 0) << fit.err;
+  std::ifstream kept(left);
+  const std::string rows(std::istreambuf_iterator<char>(kept), {});
+  EXPECT_THAT(rows, HasSubstr(",inside,"));
+  EXPECT_THAT(rows, HasSubstr(",outside,"));
+}
+
 }  // namespace
 }  // namespace driftwise::tests

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -9,6 +10,7 @@
 #include "server/core/reasons.h"
 #include "server/correction/angle_drift.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/diagnosis/amendment_json.h"
 
 namespace driftwise::cli {
@@ -65,8 +67,16 @@ void refuse_second(const Dataset& data, const AngleDriftArguments& a) {
   }
 }
 
-void write_corrected(Dataset data, const AngleDriftArguments& a,
-                     const correction::AngleShift& shift) {
+std::size_t values_in(const Dataset& data, const std::string& symbol) {
+  const auto& values = data.find(symbol)->values;
+  return static_cast<std::size_t>(
+      std::ranges::count_if(values, [](double value) { return !is_missing(value); }));
+}
+
+// Number of rows whose angle is empty now: their thermometer has no value.
+std::size_t write_corrected(Dataset data, const AngleDriftArguments& a, std::string_view text,
+                            const correction::AngleShift& shift) {
+  const auto before = values_in(data, a.axis);
   correction::DataAmendment amendment;
   amendment.angles = {shift};
   std::vector<correction::RowOrigin> origins;
@@ -75,7 +85,10 @@ void write_corrected(Dataset data, const AngleDriftArguments& a,
   if (const auto done = correction::amend(amendment, origins, {}, data); !done)
     throw failure_of(done.error());
   data.metadata.emplace_back(kAngleCorrectionKey, formats::write_amendment_json(amendment));
-  write_output_file(a.output, formats::write_dataset_csv(data), {a.file});
+  const auto names = value_or_throw(formats::read_set_names(text, a.file));
+  write_output_file(a.output, formats::with_set_names(formats::write_dataset_csv(data), names),
+                    {a.file});
+  return before - values_in(data, a.axis);
 }
 
 ExitCode angle_drift(const Console& console, const AngleDriftArguments& a) {
@@ -89,7 +102,8 @@ ExitCode angle_drift(const Console& console, const AngleDriftArguments& a) {
           : fmt::format("{} returns to zero in {} datums of {}, {} over {:.2f} K", drift.returns,
                         drift.datums, a.file, a.thermometer, drift.span_k);
   const auto shift = correction::shift_from(drift, a.axis, a.thermometer, source);
-  if (!a.output.empty()) write_corrected(std::move(data), a, shift);
+  const std::size_t emptied =
+      a.output.empty() ? 0 : write_corrected(std::move(data), a, input.text(), shift);
   if (console.json) {
     nlohmann::ordered_json json{{"channel", a.axis},
                                 {"thermometer", a.thermometer},
@@ -97,7 +111,10 @@ ExitCode angle_drift(const Console& console, const AngleDriftArguments& a) {
                                 {"u_arcsec_per_k", drift.u_arcsec_per_k},
                                 {"source", source}};
     if (drift.returns > 0) json["residual_arcsec"] = drift.residual_arcsec;
-    if (!a.output.empty()) json["file"] = a.output;
+    if (!a.output.empty()) {
+      json["file"] = a.output;
+      json["emptied_rows"] = emptied;
+    }
     console.print_json(json);
     return ExitCode::done;
   }
@@ -109,6 +126,9 @@ ExitCode angle_drift(const Console& console, const AngleDriftArguments& a) {
   if (!a.output.empty())
     console.err << "wrote " << a.output << ": " << a.axis
                 << " without it, counted from each datum's first row\n";
+  if (emptied > 0)
+    console.err << fmt::format("{} rows have no {} there: {} was not measured in them\n", emptied,
+                               a.axis, a.thermometer);
   return ExitCode::done;
 }
 

@@ -14,6 +14,7 @@
 #include "server/correction/described_stage.h"
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/join/join_report.h"
 
 namespace driftwise::cli {
@@ -73,8 +74,12 @@ ExitCode join_files(const Session& session, const JoinArguments& a) {
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "the join of files is a file: give -o FILE, or --dry-run for its report alone"};
   correction::JoinParts parts;
-  for (const auto& file : a.inputs)
-    parts.push_back(value_or_throw(formats::read_join_part(read_input_file(file), file)));
+  std::vector<std::string> set_names;  // of the first part, whose sets the join has
+  for (const auto& file : a.inputs) {
+    const std::string text = read_input_file(file);
+    if (parts.empty()) set_names = value_or_throw(formats::read_set_names(text, file));
+    parts.push_back(value_or_throw(formats::read_join_part(text, file)));
+  }
   if (!a.correction.empty()) {
     const auto described =
         value_or_throw(formats::parse_correction_file(read_input_file(a.correction), a.correction));
@@ -89,7 +94,10 @@ ExitCode join_files(const Session& session, const JoinArguments& a) {
   joined.data.metadata = formats::join_metadata(parts, rules, joined.report);
   auto report = formats::join_json(parts, rules, joined.report);
   if (!a.dry_run) {
-    const std::string csv = formats::write_dataset_csv(joined.data);
+    std::vector<std::string> names;
+    if (!set_names.empty())
+      for (const auto row : joined.rows) names.push_back(set_names[static_cast<std::size_t>(row)]);
+    const std::string csv = formats::with_set_names(formats::write_dataset_csv(joined.data), names);
     if (a.output == "-") {
       console.out << csv << std::flush;
       return ExitCode::done;

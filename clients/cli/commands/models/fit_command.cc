@@ -1,3 +1,5 @@
+#include "clients/cli/commands/models/fit_command.h"
+
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -6,7 +8,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "clients/cli/commands/models/fit_command.h"
 #include "clients/cli/commands/models/residuals_file.h"
 #include "clients/cli/commands/models/validation_file.h"
 #include "clients/cli/core/input_text.h"
@@ -371,7 +372,9 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
     offers = value_or_throw(calibration::weigh_offers(
         data, options, model, calibration::published_offers(data, options.candidates)));
   const std::vector<std::string> read = {name, fit.validation};
-  if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model), read);
+  if (!fit.residuals.empty())
+    write_output_file(fit.residuals,
+                      formats::with_set_names(residuals_csv(data, model), rows.set_names), read);
   if (!fit.output.empty()) write_output_file(fit.output, exported(model, fit.format, name), read);
   print_fit(console, fit, model, data, offers, std::nullopt);
   return ExitCode::done;

@@ -47,6 +47,47 @@ TEST_F(JoinCommand, JoinsFilesWithoutADaemon) {
   EXPECT_THAT(piped.out, HasSubstr("time_s,zero,q1_mm,x_mm,ry_arcsec,t05_degC,y_mm\n"));
 }
 
+// Rows 2, 6 and 10 of the first file are of a set with a name.
+std::string with_a_set(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string out = "# time_zero: 2026-11-30T08:00:00Z\n# overruns: yes\n", line;
+  for (int row = -1; std::getline(lines, line);) {
+    if (line.starts_with('#')) {
+      out += line + "\n";
+      continue;
+    }
+    out += (row < 0 ? "set," : row % 4 == 2 ? "inside," : "calibration,") + line + "\n";
+    ++row;
+  }
+  return out;
+}
+
+TEST_F(JoinCommand, KeepsWhatTheFirstFileSaysOfItsTimesAndSets) {
+  const auto named = file("named.csv", with_a_set(session_csv("x_mm ry_arcsec", 0.001)));
+  const auto joined = run({"data", "join", named, second(), "-o", "-"});
+  ASSERT_EQ(joined.exit, 0) << joined.err;
+  EXPECT_THAT(joined.out, HasSubstr("# time_zero: 2026-11-30T08:00:00Z\n"));
+  EXPECT_THAT(joined.out, HasSubstr("# overruns: yes\n"));
+  EXPECT_THAT(joined.out, HasSubstr("\n30,inside,"));
+  EXPECT_THAT(joined.out, HasSubstr("\n15,calibration,"));
+  const auto without = run({"data", "join", named, second(), "--subtract-returns", "-o", "-"});
+  EXPECT_THAT(without.out, HasSubstr("\n90,inside,")) << "rows are counted with the returns";
+}
+
+TEST_F(JoinCommand, AngleDriftKeepsSetsAndCountsTheAnglesItEmpties) {
+  auto csv = with_a_set(session_csv("x_mm ry_arcsec", 0.001));
+  const auto last = csv.rfind(",20.5\n");
+  csv.replace(last, 6, ",\n");
+  const auto out = folder.path() + "/calm.csv";
+  const auto said =
+      run({"data", "angle-drift", file("named.csv", csv), "--channel", "ry", "--thermometer", "t05",
+           "--arcsec-per-k", "2", "--u", "0.1", "--source", "drawing 17", "-o", out});
+  ASSERT_EQ(said.exit, 0) << said.err;
+  EXPECT_THAT(said.err, HasSubstr("1 rows have no ry there: t05 was not measured in them"));
+  std::ifstream kept(out);
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(kept), {}), HasSubstr("\n30,inside,"));
+}
+
 TEST_F(JoinCommand, ReportsTheCheckOfACoordinateThatWasSeenTwice) {
   const auto report = json({"data", "join", first(), second(), "--dry-run"})["report"];
   EXPECT_EQ(report["rows"], 12);
