@@ -64,5 +64,18 @@ TEST_F(NamedSetsTest, ResidualsOfAFileKeepThem) {
   EXPECT_THAT(rows, HasSubstr(",outside,"));
 }
 
+TEST_F(NamedSetsTest, AMisspeltSetIsNotAllRows) {
+  const auto data = file("two.csv", two_sets());
+  const auto slip = run({"model", "table", data, "--model", "G: q ~ x + t01", "--set", "insde"});
+  EXPECT_EQ(slip.exit, 3);
+  EXPECT_THAT(slip.err, HasSubstr("did you mean inside?"));
+  EXPECT_THAT(slip.err, HasSubstr("expected one of validation, inside, outside"));
+  const auto table = json({"model", "table", data, "--model", "G: q ~ x + t01", "--set", "inside",
+                           "--set", "validation", "--set", "warm: t01 20.5..22"});
+  EXPECT_EQ(table["sets"][0]["rows"], 14);
+  EXPECT_EQ(table["sets"][1]["rows"], 30);
+  EXPECT_LT(table["sets"][2]["rows"], 30);
+}
+
 }  // namespace
 }  // namespace driftwise::tests

@@ -13,6 +13,7 @@
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/csv/set_names.h"
 #include "server/formats/formula/formula.h"
+#include "server/formats/text/text.h"
 #include "server/identification/ladder.h"
 #include "server/identification/learning_curve.h"
 #include "server/identification/set_table.h"
@@ -60,15 +61,31 @@ Dataset dataset_of(const Session& session, const StudyArguments& a,
   return rows_of(session, a, executor).data;
 }
 
-// Those of --set. A name without ranges means the rows of that name, or every validation row where
-// the data have no such name. None given: every validation row, then each set that the data name.
+[[noreturn]] void refuse_set(const std::string& name, const std::vector<std::string>& named) {
+  std::vector<std::string_view> known{"validation"};
+  known.insert(known.end(), named.begin(), named.end());
+  const auto nearest = formats::nearest_word(name, known);
+  std::string list;
+  for (const auto one : known) list += (list.empty() ? "" : ", ") + std::string(one);
+  throw Failure{ExitCode::bad_input, "invalid_argument", reasons::kBadSet,
+                "--set " + name + ": the data name no such set" +
+                    (nearest.empty() ? "" : ", did you mean " + nearest + "?") +
+                    "; expected one of " + list + ", or ranges of channels: --set '" + name +
+                    ": t07 21..23'"};
+}
+
+// Those of --set. A name without ranges means the rows of that name; "validation", where the data
+// have no such name of their own, every validation row. None given: every validation row, then each
+// set that the data name.
 std::vector<identification::NamedSet> sets_of(const std::vector<std::string>& texts,
                                               const std::vector<std::string>& words) {
   const auto named = formats::named_sets(words);
   std::vector<identification::NamedSet> sets;
   for (const auto& text : texts) {
     auto set = value_or_throw(identification::named_set_from(text));
-    if (std::ranges::find(named, set.name) != named.end()) set.word = set.name;
+    const bool known = std::ranges::find(named, set.name) != named.end();
+    if (!known && set.conditions.empty() && set.name != "validation") refuse_set(set.name, named);
+    if (known) set.word = set.name;
     sets.push_back(std::move(set));
   }
   if (!sets.empty()) return sets;
