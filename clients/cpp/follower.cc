@@ -64,7 +64,8 @@ void TargetFollower::State::publish(Answer<Target> news) {
     // A daemon that stays away is one piece of news, not one per attempt.
     if (!news && !latest_ && news.error().reason == latest_.error().reason) return;
     latest_ = std::move(news);
-    if (latest_) expires_ = std::chrono::steady_clock::now() + lifetime_of(*latest_) + min_interval_;
+    if (latest_)
+      expires_ = std::chrono::steady_clock::now() + lifetime_of(*latest_) + min_interval_;
     ++sequence_;
   }
   changed_.notify_all();
