@@ -155,7 +155,7 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
       if (datum) root[0] -= c * static_cast<Wide>(datum->term_shifts[i][k]);
     }
     const bool any = std::ranges::any_of(root, [](Wide value) { return value != 0; });
-    add_root(UncertaintySource::temperatures, root, any ? 1 : 0);
+    add_root(UncertaintySource::temperatures, 2 * now.channels.size() + i, root, any ? 1 : 0);
   }
   for (const auto& error : model.systematics) {
     auto root = folded(error.shift, datum != nullptr && error.shared_with_zero);
