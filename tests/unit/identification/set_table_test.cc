@@ -15,13 +15,13 @@ using testing::HasSubstr;
 
 // One curved axis, every fourth row validation. The second datum was zeroed 0.05 mm from the first:
 // its rows obey q = f(x + 0.05). A third datum has validation rows only.
-struct Curve {
+struct CurveOfDatums {
   Dataset data;
   double motor(double x) const { return x + 0.02 * x * x; }
 };
 
-Curve curve(bool third = false) {
-  Curve made;
+CurveOfDatums curve(bool third = false) {
+  CurveOfDatums made;
   auto& data = made.data;
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
