@@ -13,7 +13,7 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kTau_s = 3600, kExpansion_mm_per_k = 1e-3, kNoise_mm = 5e-6;
+constexpr double kTau_s = 3600, kExpansion_mm_per_k = 1e-3, kReadingNoise_mm = 5e-6;
 
 Dataset empty_table() {
   Dataset data;
@@ -26,7 +26,8 @@ void add_row(Dataset& data, double time_s, double temperature, double lagged,
   std::normal_distribution<double> gauss;
   const double x = -4 + 8 * std::fmod(static_cast<double>(data.rows) * 0.618, 1.0);
   data.time_s.push_back(time_s);
-  data.columns[0].values.push_back(x + kExpansion_mm_per_k * lagged + kNoise_mm * gauss(random));
+  data.columns[0].values.push_back(x + kExpansion_mm_per_k * lagged +
+                                   kReadingNoise_mm * gauss(random));
   data.columns[1].values.push_back(x);
   data.columns[2].values.push_back(temperature);
   ++data.rows;
