@@ -25,7 +25,8 @@ double decimal_step(const std::vector<double>& values);
 // read in steps of more than twice their noise; but positions that a plan sets: their steps are
 // the plan's.
 // Returns a sentence for each; none: nothing was changed. given: the dataset in its own units.
-// found: of a diagnosis of the same problem.
+// found: of a diagnosis of the same problem; none: by the baseline alone, and then only where the
+// noise is below a fifth of a step.
 Result<std::vector<std::string>> free_of_rounding(Problem& problem, const Dataset& given,
                                                   const std::vector<Finding>& found);
 
