@@ -9,6 +9,7 @@
 #include "server/diagnosis/rows/places.h"
 #include "server/diagnosis/rows/smoothing.h"
 #include "server/effects/direct_symbols.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
