@@ -36,7 +36,7 @@ tl::unexpected<Error> missed(double miss_nm) {
                   " nm: not given; ask for a pose farther from the edge of the reach");
 }
 
-// Where the free parameters of the model stand among those of the mechanism; -1: nowhere.
+// Places of the model's free parameters among those of the mechanism; -1: nowhere.
 std::vector<Index> free_places(const calibration::Geometry& geometry,
                                const kinematics::Parameters& parameters) {
   std::vector<Index> place;

@@ -54,7 +54,7 @@ class SlowState {
   std::vector<double> call_values(std::span<const double> channels_instead = {}) const;
   // Each effect's output in equilibrium with these channel values, whatever it saw.
   std::vector<double> settled_calls(std::span<const double> channels) const;
-  // What each effect's present output owes to the time before its first reading, as a standard
+  // Part of each effect's present output that the time before its first reading has, as a standard
   // uncertainty with its sign: the output of a twin whose channels were higher before then by
   // set_before_first(), minus the output. 0 for an effect that saw nothing.
   std::vector<double> call_shifts() const;

@@ -53,7 +53,7 @@ class SnapshotBuilder {
 
   // Full names of the channels that observe() does not pass over.
   std::vector<std::string> observed_channels() const;
-  // How far back readings count: until effects with memory have forgotten what was before
+  // Time back to which readings count: effects with memory have forgotten what was before
   // (effects::kForgottenTaus). 0: the model has no such effect. Where the readings begin later, the
   // past is uncertain by the fitted range of the channel, in the line `temperatures`.
   Nanoseconds memory() const {

@@ -52,7 +52,7 @@ double share_nm2(const Eigen::VectorXd& variances, std::size_t i) {
   return variances.size() == 0 ? 0 : variances[static_cast<Eigen::Index>(i)] * kNmPerMm * kNmPerMm;
 }
 
-// What a geometry's parameters add to the squares of a line's errors, whose terms are in the line.
+// Part of a geometry's parameters in the squares of a line's errors, whose terms are in the line.
 double systematic_nm2(const Snapshot& snapshot, const LawAnswer& law, std::size_t output,
                       const Snapshot::UncertaintyLine& line, const Basis& basis) {
   if (law.systematic.size() == 0) return 0;

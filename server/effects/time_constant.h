@@ -1,5 +1,5 @@
 #pragma once
-// How long an effect remembers.
+// Memory of an effect in time.
 
 #include "server/effects/term.h"
 

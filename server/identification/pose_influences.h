@@ -1,5 +1,5 @@
 #pragma once
-// What systematic errors of the measured pose, and of the force, did to an identified geometry.
+// Influence of systematic errors of the measured pose, and of the force, on an identified geometry.
 //
 // The identification takes its rows at their word. With x wrong by h(row), the motor coordinates
 // q = g(x; p) + terms are offered g(x + h), and to first order parameters and coefficients move

@@ -42,7 +42,7 @@ std::string write_to(const std::filesystem::path& file, const std::string& text)
   return std::strerror(errno != 0 ? errno : EIO);
 }
 
-// Where a link leads, also to a file that does not exist yet.
+// Target of a link, also of one to a file that does not exist yet.
 std::filesystem::path end_of_links(std::filesystem::path file) {
   constexpr int kMostLinks = 40;  // as the kernel
   std::error_code ignored;

@@ -29,7 +29,7 @@ struct Material {
   std::vector<diagnosis::RunToCheck> data;
 };
 
-// What the run's datums hold, in the order in which its rows meet them. Nothing: not known.
+// Zeros of the run's datums, in the order in which its rows meet them. Nothing: not known.
 Result<std::vector<std::optional<DatumRecord>>> zeros_of(Store& store, RunId run,
                                                          const Dataset& data) {
   DRIFTWISE_TRY(auto records, store.points().data(run));
@@ -49,7 +49,7 @@ Result<std::vector<std::optional<DatumRecord>>> zeros_of(Store& store, RunId run
   return zeros;
 }
 
-// What effects with memory need: the instants of the zeros and the readings before the first row.
+// Past of effects with memory: the instants of the zeros and the readings before the first row.
 Result<void> add_past(Store& store, const diagnosis::ModelMemory& memory,
                       const std::vector<std::optional<DatumRecord>>& zeros,
                       diagnosis::RunToCheck& run) {

@@ -161,8 +161,8 @@ struct Geometry {
   KinematicsDescription robot;                // its numbers are the model's
   std::vector<GeometryParameter> parameters;  // empty: imported, nothing was identified
   Eigen::MatrixXd covariance;                 // of the free ones, in their order and units
-  // What errors of the measured pose did to the free parameters, in their order and units. The same
-  // errors, in the same order, are in every output's influences, with the shift of its terms.
+  // Shifts of the free parameters by errors of the measured pose, in their order and units. The
+  // same errors, in the same order, are in every output's influences, with the shift of its terms.
   std::vector<Influence> influences = {};
 };
 

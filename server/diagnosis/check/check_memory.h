@@ -13,8 +13,8 @@
 
 namespace driftwise::diagnosis {
 
-// What effects with a time constant observe, coordinates aside: those have no readings between
-// the points. An effect that observes a coordinate counts from the first row, as in a fit.
+// Channels that effects with a time constant observe, but coordinates: they have no readings
+// between the points. An effect that observes a coordinate counts from the first row, as in a fit.
 struct ModelMemory {
   std::vector<std::string> symbols;  // each once
   double longest_tau_s = 0;          // 0: the model has no such effect
