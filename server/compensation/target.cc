@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "server/compensation/basis_values.h"
@@ -283,28 +284,41 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
   hold_to_limits(snapshot, request, target);
 }
 
+namespace {
+
+// What the errors of a target are told from. Nothing: the request has no answer.
+struct Answered {
+  double factor = 1;  // of extrapolation
+  LawAnswer law;      // of a geometry
+};
+
+std::optional<Answered> answered(const Snapshot& snapshot, const TargetRequest& request) {
+  Target target;
+  if (look_at_request(snapshot, request, target) != Refusal::none) return std::nullopt;
+  Answered result{extrapolation_factor(look_at_domain(snapshot, request, target)), {}};
+  if (snapshot.geometry) {
+    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, true);
+    if (!answer) return std::nullopt;
+    result.law = std::move(*answer);
+  }
+  return result;
+}
+
+}  // namespace
+
 Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
                       std::size_t output) noexcept {
   Budget budget;
-  Target target;
-  if (output >= snapshot.outputs.size() ||
-      look_at_request(snapshot, request, target) != Refusal::none) {
+  const auto about = answered(snapshot, request);
+  if (!about || output >= snapshot.outputs.size() || (snapshot.geometry && snapshot.unjudged)) {
     budget.u_nm = kNan;
     return budget;
   }
-  const double factor = extrapolation_factor(look_at_domain(snapshot, request, target));
+  const double factor = about->factor;
+  const LawAnswer& law = about->law;
   PoseTerms terms;
   const Basis& basis = terms.basis(snapshot, request.value);
   const double* const squares = terms.squares(snapshot);
-  LawAnswer law;
-  if (snapshot.geometry) {
-    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, true);
-    if (!answer || snapshot.unjudged) {
-      budget.u_nm = kNan;
-      return budget;
-    }
-    law = std::move(*answer);
-  }
   const auto of_law = [&](UncertaintySource source) {
     return source == UncertaintySource::fit            ? share_nm2(law.fit, output)
            : source == UncertaintySource::residual     ? share_nm2(law.residual, output)
@@ -328,18 +342,13 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 
 ErrorParts error_parts(const Snapshot& snapshot, const TargetRequest& request) {
   ErrorParts parts;
-  Target target;
-  if (look_at_request(snapshot, request, target) != Refusal::none) return parts;
-  parts.factor = extrapolation_factor(look_at_domain(snapshot, request, target));
+  const auto about = answered(snapshot, request);
+  if (!about) return parts;
+  parts.factor = about->factor;
+  const LawAnswer& law = about->law;
   PoseTerms terms;
   const Basis& basis = terms.basis(snapshot, request.value);
   const double* const squares = terms.squares(snapshot);
-  LawAnswer law;
-  if (snapshot.geometry) {
-    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, true);
-    if (!answer) return {};
-    law = std::move(*answer);
-  }
   const std::size_t outputs = snapshot.outputs.size(), size = snapshot.basis_size();
   std::map<std::pair<UncertaintySource, std::uint32_t>, std::vector<double>> shared;
   for (std::size_t i = 0; i < outputs; ++i) {
