@@ -33,6 +33,7 @@
 #include "server/diagnosis/rows/rows_needed.h"
 #include "server/diagnosis/rows/screen.h"
 #include "server/diagnosis/search/column_bank.h"
+#include "server/diagnosis/search/directions.h"
 #include "server/diagnosis/stand_ins.h"
 #include "server/effects/term_order.h"
 
@@ -78,7 +79,9 @@ class Diagnoser {
         problem_(frame_ ? frame_->problem : std::move(problem)),
         options_(options),
         progress_(options),
-        faults_(dataset, options, problem_, result_) {}
+        faults_(dataset, options, problem_, result_) {
+    problem_.directions = directions_of(problem_, frame_);
+  }
 
   Result<Diagnosis> run(std::vector<FaultySensor> sensors) {
     result_.baseline_formula = options_.baseline.formula;
