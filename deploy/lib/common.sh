@@ -57,7 +57,11 @@ configure_and_build() {
   [ $# -gt 0 ] && shift
   cd "$root"
   # From nothing, files compiled together cost a third; a folder that exists stays as its owner configured it.
-  [ -f "build/$preset/CMakeCache.txt" ] || options+=(-DDRIFTWISE_UNITY_BUILD=ON)
+  # Line tables are a twelfth of the compiler's time; who looks for a crash configures the preset by itself.
+  if [ ! -f "build/$preset/CMakeCache.txt" ]; then
+    options+=(-DDRIFTWISE_UNITY_BUILD=ON)
+    if [ "$preset" = dev ]; then options+=(-DCMAKE_CXX_FLAGS_DEBUG=-Og); fi
+  fi
   cmake --preset "$preset" "${options[@]}" >"/tmp/driftwise-configure.$$" 2>&1 || {
     tail -n 30 "/tmp/driftwise-configure.$$" >&2
     die "cmake could not configure: the lines above say what is missing"
