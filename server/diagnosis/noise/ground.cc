@@ -14,6 +14,7 @@ constexpr double kErrors = 2;           // standard errors of a correlation that
 // Of what the output that has most of an amplitude shows of it, in squares over the noise's: less
 // is none.
 constexpr double kShows = 1e-3;
+constexpr double kLeastOwn = 1e-6;  // of an output's variance: noise that no other output has
 
 // Columns whose amplitudes b have the prior N(0, width^2), integrated out: G = 1 + W' W with
 // W = white x width. ln det of I + W W', and what the sum of squares loses.
@@ -223,12 +224,12 @@ Ground::Matched Ground::matched(std::size_t shape,
                                 const Eigen::Ref<const Eigen::VectorXd>& per_unit) const {
   const auto& left = left_[shape];
   const auto dof = static_cast<double>(spaces_[shape].dof());
-  const Eigen::VectorXd noise =
-      (left.colwise().norm().transpose() / std::sqrt(dof)).cwiseMax(1e-300);
+  Eigen::MatrixXd noise = left.transpose() * left / dof;
+  noise.diagonal() = (noise.diagonal() * (1 + kLeastOwn)).cwiseMax(1e-300);
   Matched result;
-  const Eigen::VectorXd in_noise = per_unit.cwiseQuotient(noise);
-  result.per_unit = in_noise.norm();
-  result.weights = in_noise.cwiseQuotient(noise) / result.per_unit;
+  result.weights = noise.llt().solve(per_unit);
+  result.per_unit = std::sqrt(std::max(per_unit.dot(result.weights), 1e-300));
+  result.weights /= result.per_unit;
   result.sd = std::max((left * result.weights).norm() / std::sqrt(dof), kLeast);
   return result;
 }
@@ -297,7 +298,9 @@ Gain Ground::gain_along(const Eigen::MatrixXd& columns, const PriorSd& prior,
   const Eigen::VectorXd left = left_[first->shape] * matched.weights;
   const Eigen::VectorXd amplitude = with.amplitudes(white.transpose() * left) / matched.per_unit;
   const Eigen::VectorXd shown = along.per_unit.col(direction);
-  const Eigen::VectorXd in_noise = matched.weights.cwiseProduct(shown);
+  const Eigen::VectorXd in_noise =
+      shown.cwiseAbs2().array() /
+      left_[first->shape].colwise().squaredNorm().transpose().array().max(1e-300);
   for (Eigen::Index o = 0; o < outputs(); ++o) {
     const bool acts = in_noise[o] > kShows * in_noise.maxCoeff();
     const auto row = static_cast<Eigen::Index>(first->shape);

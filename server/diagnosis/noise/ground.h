@@ -130,8 +130,9 @@ class Ground {
   // The part of it beyond chance: outputs_alike().
   const Eigen::MatrixXd& alike() const { return alike_; }
 
-  // What the outputs show along a direction, each in units of its noise and by its share of what is
-  // to be seen: one series, with noise of its own. It is where one amplitude is asked for.
+  // What the outputs show along a direction: the sum of them with the least noise for what is to be
+  // seen, N^-1 d of their noise's covariance N. One series, with noise of its own; it is where one
+  // amplitude is asked for.
   struct Matched {
     Eigen::VectorXd weights;  // per output, of what is left of it
     double per_unit = 0;      // of the series, for a unit of the amplitude
