@@ -420,20 +420,23 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
   return result;
 }
 
-// Of a motor's own error, or of an instrument's: that of the coordinate which the cause names, and
-// of each where it names none. A fault of the data may be any motor's as well.
+// Of a motor's own error that motor's; of an instrument's that of the coordinate which the cause
+// names, and of each where it names none. A fault of the data may be any motor's as well. What
+// bends or grows moves the robot in any way, and yet as often as not along one coordinate, or in
+// the motor that it is named after.
 void Physics::add_along(const Cause& cause, const std::vector<effects::Term>& terms,
                         double parameter, const Eigen::Ref<const Eigen::MatrixXd>& columns,
                         AmplitudePrior& prior) const {
   if ((prior.typical.array() > 0).colwise().any().count() < 2) return;
   const bool of_motor = !cause.outputs.empty();
-  if (!of_motor && cause.applies_to == effects::AppliesTo::robot) return;
+  const bool of_robot = !of_motor && cause.applies_to == effects::AppliesTo::robot;
   const bool of_any = cause.applies_to == effects::AppliesTo::dataset && cause.subject.empty();
   std::vector<const Direction*> asked;
   for (const auto& one : problem_.directions) {
     const bool motor = is_motor_symbol(one.symbol);
-    if (of_motor ? std::ranges::find(cause.outputs, one.symbol) != cause.outputs.end()
-                 : (!motor || of_any) && (cause.subject.empty() || cause.subject == one.symbol))
+    if (of_motor   ? std::ranges::find(cause.outputs, one.symbol) != cause.outputs.end()
+        : of_robot ? !motor || cause.subject == one.symbol
+                   : (!motor || of_any) && (cause.subject.empty() || cause.subject == one.symbol))
       asked.push_back(&one);
   }
   if (asked.empty()) return;

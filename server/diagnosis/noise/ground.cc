@@ -222,15 +222,25 @@ double either(double two_ln, double other_two_ln) {
 
 Ground::Matched Ground::matched(std::size_t shape,
                                 const Eigen::Ref<const Eigen::VectorXd>& per_unit) const {
-  const auto& left = left_[shape];
   const auto dof = static_cast<double>(spaces_[shape].dof());
+  Matched result;
+  result.weights = Eigen::VectorXd::Zero(outputs());
+  std::vector<Eigen::Index> in;
+  for (Eigen::Index o = 0; o < outputs(); ++o)
+    if (per_unit[o] != 0 && shares(shape, o)) in.push_back(o);
+  if (in.empty()) return result;
+  // What shows nothing of the amplitude may still have the noise of what does.
+  for (Eigen::Index o = 0; o < outputs(); ++o)
+    if (per_unit[o] == 0 && shares(shape, o)) in.push_back(o);
+  const Eigen::MatrixXd left = left_[shape](Eigen::all, in);
+  const Eigen::VectorXd shown = per_unit(in);
   Eigen::MatrixXd noise = left.transpose() * left / dof;
   noise.diagonal() = (noise.diagonal() * (1 + kLeastOwn)).cwiseMax(1e-300);
-  Matched result;
-  result.weights = noise.llt().solve(per_unit);
-  result.per_unit = std::sqrt(std::max(per_unit.dot(result.weights), 1e-300));
-  result.weights /= result.per_unit;
-  result.sd = std::max((left * result.weights).norm() / std::sqrt(dof), kLeast);
+  Eigen::VectorXd weights = noise.llt().solve(shown);
+  result.per_unit = std::sqrt(std::max(shown.dot(weights), 1e-300));
+  weights /= result.per_unit;
+  result.sd = std::max((left * weights).norm() / std::sqrt(dof), kLeast);
+  result.weights(in) = weights;
   return result;
 }
 
@@ -258,9 +268,12 @@ Gain Ground::gain_along(const Eigen::MatrixXd& columns, const PriorSd& prior,
   std::vector<Best> best(static_cast<std::size_t>(along.directions()));
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
     const Eigen::MatrixXd white = news_of(spaces_[s], centred);
-    const double without = priced_.row(static_cast<Eigen::Index>(s)).cwiseMin(own).sum();
+    double without = 0;
+    for (Eigen::Index o = 0; o < outputs(); ++o)
+      without += shares(s, o) ? priced_(static_cast<Eigen::Index>(s), o) : own[o];
     for (Eigen::Index d = 0; d < along.directions(); ++d) {
       Matched matched = this->matched(s, along.per_unit.col(d));
+      if (matched.per_unit == 0) continue;
       const Eigen::VectorXd left = left_[s] * matched.weights;
       const double rss = left.squaredNorm();
       const Eigen::VectorXd products = white.transpose() * left,
@@ -278,7 +291,9 @@ Gain Ground::gain_along(const Eigen::MatrixXd& columns, const PriorSd& prior,
     }
   }
   Gain result;
+  result.gain = -1e300;
   auto first = std::ranges::max_element(best, {}, &Best::gain);
+  if (first->gain <= -1e300) return result;
   double sum = 0;
   for (const auto& one : best) sum += std::exp((one.gain - first->gain) / 2);
   result.gain = first->gain + 2 * std::log(sum / static_cast<double>(best.size()));
@@ -298,15 +313,18 @@ Gain Ground::gain_along(const Eigen::MatrixXd& columns, const PriorSd& prior,
   const Eigen::VectorXd left = left_[first->shape] * matched.weights;
   const Eigen::VectorXd amplitude = with.amplitudes(white.transpose() * left) / matched.per_unit;
   const Eigen::VectorXd shown = along.per_unit.col(direction);
-  const Eigen::VectorXd in_noise =
+  Eigen::VectorXd in_noise =
       shown.cwiseAbs2().array() /
       left_[first->shape].colwise().squaredNorm().transpose().array().max(1e-300);
+  for (Eigen::Index o = 0; o < outputs(); ++o)
+    if (!shares(first->shape, o)) in_noise[o] = 0;
   for (Eigen::Index o = 0; o < outputs(); ++o) {
-    const bool acts = in_noise[o] > kShows * in_noise.maxCoeff();
     const auto row = static_cast<Eigen::Index>(first->shape);
+    const bool shares = this->shares(first->shape, o);
+    const bool acts = in_noise[o] > kShows * in_noise.maxCoeff();
     const Eigen::Index own_shape =
         static_cast<Eigen::Index>(best_priced_[static_cast<std::size_t>(o)]);
-    result.shape.push_back(static_cast<std::size_t>(priced_(row, o) <= own[o] ? row : own_shape));
+    result.shape.push_back(static_cast<std::size_t>(shares ? row : own_shape));
     Eigen::VectorXd contribution;
     double gain = 0, share = 0;
     if (acts) {
@@ -405,6 +423,7 @@ Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior, 
   }
   for (Eigen::Index d = 0; d < along.directions(); ++d) {
     const Matched here = matched(best_shape(0), along.per_unit.col(d));
+    if (here.per_unit == 0) continue;
     const double sd = matched_sd_with(first, here, best_shape(0));
     if (sd > 0) along.sd.col(d) *= std::max(here.sd / sd, 1.0);
   }

@@ -132,13 +132,18 @@ class Ground {
 
   // What the outputs show along a direction: the sum of them with the least noise for what is to be
   // seen, N^-1 d of their noise's covariance N. One series, with noise of its own; it is where one
-  // amplitude is asked for.
+  // amplitude is asked for. An output whose noise has a shape of its own takes no part.
   struct Matched {
     Eigen::VectorXd weights;  // per output, of what is left of it
-    double per_unit = 0;      // of the series, for a unit of the amplitude
+    double per_unit = 0;      // of the series, for a unit of the amplitude; 0: shown by none
     double sd = 1;            // of its noise
   };
   Matched matched(std::size_t shape, const Eigen::Ref<const Eigen::VectorXd>& per_unit) const;
+  // Has the output this shape where the outputs share it?
+  bool shares(std::size_t shape, Eigen::Index output) const {
+    const auto column = priced_.col(output);
+    return column[static_cast<Eigen::Index>(shape)] <= column.minCoeff() + kOwnShape;
+  }
   // Of its noise with an effect in.
   double matched_sd_with(const Gain& effect, const Matched& matched, std::size_t shape) const;
   // columns: rows x c, centred or not. Amplitudes are integrated out under their prior: one in each

@@ -140,7 +140,8 @@ struct MatchedSides {
   }
 };
 
-std::vector<MatchedSides> matched_sides(const std::vector<std::vector<SeriesSide>>& sides,
+std::vector<MatchedSides> matched_sides(const Ground& ground,
+                                        const std::vector<std::vector<SeriesSide>>& sides,
                                         const std::vector<ByShape>& without) {
   std::vector<MatchedSides> result;
   for (std::size_t s = 0; s < sides.size(); ++s) {
@@ -150,9 +151,13 @@ std::vector<MatchedSides> matched_sides(const std::vector<std::vector<SeriesSide
       for (std::size_t p = 0; p <= o; ++p)
         one.products.emplace_back(
             sides[s][o].left.cwiseProduct(sides[s][p].left).colwise().sum().transpose());
+      if (ground.shares(s, static_cast<Eigen::Index>(o))) {
+        one.without += without[o][s].col(0);
+        continue;
+      }
       Eigen::ArrayXf own = without[o].front().col(0);
       for (const auto& shape : without[o]) own = own.min(shape.col(0));
-      one.without += without[o][s].col(0).min(own + static_cast<float>(kOwnShape));
+      one.without += own + static_cast<float>(kOwnShape);
     }
     result.push_back(std::move(one));
   }
@@ -223,7 +228,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
   }
   const Eigen::ArrayXf total_without = shared_total(without).col(0);
   const auto directed =
-      with_directions(bank) ? matched_sides(sides, without) : std::vector<MatchedSides>();
+      with_directions(bank) ? matched_sides(ground, sides, without) : std::vector<MatchedSides>();
   const bool any_alike = (ground.alike().array() > 0).count() > ground.alike().rows();
   const Eigen::MatrixXf alike = ground.alike().cast<float>();
   const auto slices = slices_of(bank, allowed);
@@ -297,6 +302,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
       // As Ground::gain_along().
       for (Eigen::Index d = 0; d < entry.along.directions(); ++d) {
         const Ground::Matched matched = ground.matched(s, entry.along.per_unit.col(d));
+        if (matched.per_unit == 0) continue;
         // Series have the length 1 and their output's noise with it.
         Eigen::VectorXf weights(static_cast<Eigen::Index>(outputs));
         for (Eigen::Index o = 0; o < weights.size(); ++o)
