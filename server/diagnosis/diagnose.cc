@@ -33,7 +33,6 @@
 #include "server/diagnosis/rows/rows_needed.h"
 #include "server/diagnosis/rows/screen.h"
 #include "server/diagnosis/search/column_bank.h"
-#include "server/diagnosis/search/directions.h"
 #include "server/diagnosis/stand_ins.h"
 #include "server/effects/term_order.h"
 
@@ -79,9 +78,7 @@ class Diagnoser {
         problem_(frame_ ? frame_->problem : std::move(problem)),
         options_(options),
         progress_(options),
-        faults_(dataset, options, problem_, result_) {
-    problem_.directions = directions_of(problem_, frame_);
-  }
+        faults_(dataset, options, problem_, result_) {}
 
   Result<Diagnosis> run(std::vector<FaultySensor> sensors) {
     result_.baseline_formula = options_.baseline.formula;

@@ -28,11 +28,10 @@ constexpr std::size_t kFewestPlaces = 8, kMostPlaces = 4000;  // the search's bl
 constexpr std::array<double, 17> kPeriods_nm = {632.8, 512, 1e3, 2e3, 4e3, 8e3, 10e3, 20e3, 40e3,
                                                 50e3,  1e5, 2e5, 5e5, 1e6, 2e6, 5e6,  10e6};
 // Lines of angle encoders, 36000 to 1024 a turn, and teeth of worm wheels, 360 to 60: usual counts,
-// taken from no one source. First half a helium-neon wavelength over the two ways of an angular
-// interferometer, whose reflectors are 30 mm (Renishaw XL-80) or 32.61 mm apart (HP 10770A).
-constexpr std::array<double, 18> kPeriods_arcsec = {
-    2.1754, 2.0013, 36,       72,   129.6, 144,   259.2, 360,   632.8125,
-    648,    720,    1265.625, 3600, 7200,  10800, 14400, 18000, 21600};
+// taken from no one source.
+constexpr std::array<double, 16> kPeriods_arcsec = {36,       72,    129.6, 144,      259.2, 360,
+                                                    632.8125, 648,   720,   1265.625, 3600,  7200,
+                                                    10800,    14400, 18000, 21600};
 constexpr std::array<int, 4> kParts = {1, 2, 4, 8};
 // Times a turn: a disk off its centre, an elliptic one, three jaws, four screws, and so on.
 constexpr double kTurn_arcsec = 1296000;

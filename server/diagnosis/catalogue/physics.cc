@@ -47,7 +47,6 @@ constexpr double kJump_nm = 316.4;  // half a wavelength of a helium-neon laser
 constexpr double kAir_ppm_per_k = 0.95, kAir_ppm_per_hpa = 0.27, kAir_ppm_per_pct = 0.01;
 constexpr double kFreeShape = 0.5;  // of the noise of a row
 constexpr double kOfNoise = 10;     // what is neither declared nor known, over the noise of a row
-constexpr double kOfEncoder = 10;   // of its typical size, a wave of a rotation
 constexpr double kRange = 20;       // of a typical size, where physics sets no sharper end
 
 // Of the three names, the one that the term reads; -1: none.
@@ -92,18 +91,6 @@ int exponent_of(const effects::Term& term, const std::string& symbol) {
 bool is_contact(const effects::Term& term) {
   const auto* call = std::get_if<effects::Call>(&term.factors.front());
   return call != nullptr && call->effect == "contact";
-}
-
-// A signal of 36 arcsec that errs by 2 of them is broken; once a turn it is off its centre.
-bool of_encoder(const Cause& cause, const std::string& unit) {
-  return cause.id == "cyclic_error" && cause.parameter == "period_arcsec" && unit == "arcsec";
-}
-
-// A wave that turns back faster than its coordinate goes on would read backwards: its largest
-// amplitude. slopes: of the output, nm per mm.
-double turns_back_at(const Cause& cause, double period, const Eigen::RowVector3d& slopes) {
-  if (cause.id != "cyclic_error" || cause.parameter != "period_nm") return kUnlimited;
-  return period / (2 * std::numbers::pi) * std::max(1.0, slopes.cwiseAbs().maxCoeff() / kNmPerMm);
 }
 
 // Output over x, y, z by least squares: enough to turn a limit along one into one of the other.
@@ -227,8 +214,6 @@ Physics::Physics(const Problem& problem, const std::optional<LeverLimits>& lever
   force_range_ = range_of("force");
   for (std::size_t o = 0; o < problem.outputs.size(); ++o)
     noise_sd_.push_back(noise_between_neighbours(problem, o, problem.base_columns));
-  for (std::size_t o = 0; o < problem.outputs.size(); ++o) in_outputs_.push_back(shown_in(o));
-  for (const auto& one : problem.directions) in_directions_.push_back(shown_along(one));
 }
 
 // max - min over the rows that learn, in the channel's unit.
@@ -246,13 +231,9 @@ double Physics::range_of(const std::string& symbol) const {
 
 // Of the output, for a millionth of the coordinate that the term reads: nm per mm is ppm, and a
 // rotation's ppm are a share of what the output goes through with it.
-double Physics::nm_per_ppm(const effects::Term& term, const Shows& in) const {
+double Physics::nm_per_ppm(const effects::Term& term, std::size_t output) const {
   const std::string axis = axis_of(term);
   if (axis.empty() || read_by(term, kAxes) >= 0) return 1;
-  return in.range > 0 ? 1e-6 * in.range / std::max(range_of(axis), 1e-12) : 1;
-}
-
-Physics::Shows Physics::shown_in(std::size_t output) const {
   double low = kUnlimited, high = -kUnlimited;
   for (const std::size_t row : problem_.learn) {
     const double value = problem_.outputs[output].measured[static_cast<Eigen::Index>(row)];
@@ -260,19 +241,7 @@ Physics::Shows Physics::shown_in(std::size_t output) const {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  return {noise_sd_[output], std::max(high - low, 0.0),
-          slopes_.row(static_cast<Eigen::Index>(output))};
-}
-
-Physics::Shows Physics::shown_along(const Direction& direction) const {
-  double squares = 0;
-  for (Eigen::Index o = 0; o < direction.per_unit.size(); ++o)
-    squares += std::pow(direction.per_unit[o] / noise_sd_[static_cast<std::size_t>(o)], 2);
-  Shows result{squares > 0 ? 1 / std::sqrt(squares) : 0, nm_from_mm(range_of(direction.symbol)),
-               Eigen::RowVector3d::Zero()};
-  for (std::size_t axis = 0; axis < kAxes.size(); ++axis)
-    if (direction.symbol == kAxes[axis]) result.slopes[static_cast<Eigen::Index>(axis)] = kNmPerMm;
-  return result;
+  return high > low ? 1e-6 * (high - low) / std::max(range_of(axis), 1e-12) : 1;
 }
 
 // Of a Chebyshev polynomial's first coefficient, per symbol of these: a term of any order is as
@@ -296,8 +265,8 @@ double Physics::of_first_order(const effects::Term& term) const {
 }
 
 double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
-                            double column_range, const Shows& in) const {
-  const double sigma = in.noise_sd, large = kOfNoise * sigma;
+                            double column_range, std::size_t output) const {
+  const double sigma = noise_sd_[output], large = kOfNoise * sigma;
   const double stroke_nm = nm_from_mm(longest_stroke_mm_);
   const double machine_mm = longest_stroke_mm_ > 0
                                 ? std::max(2 * longest_stroke_mm_, kSmallestMachine_mm)
@@ -308,7 +277,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "thermal_offset" || id == "thermal_lag") return per_k;
   if (id == "thermal_rate") return per_k * kRateTime_h;
   if (id == "thermal_expansion")
-    return kExpansion_ppm_per_k * nm_per_ppm(term, in) * of_first_order(term);
+    return kExpansion_ppm_per_k * nm_per_ppm(term, output) * of_first_order(term);
   if (id == "self_heating") return kHeating_k * per_k * per_column;
   if (id == "activity_heating") return kActivity_k * per_k * per_column;
   if (id == "backlash" || id == "probe_hysteresis")
@@ -322,7 +291,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "periodic_disturbance") return std::max(kWave_nm, 2 * sigma);
   if (id == "step_change") return std::max(kJump_nm, large);
   if (id == "instrument_drift")
-    return term.factors.size() > 1 ? kScaleDrift_ppm_per_h * nm_per_ppm(term, in)
+    return term.factors.size() > 1 ? kScaleDrift_ppm_per_h * nm_per_ppm(term, output)
                                    : std::max(kDrift_nm_per_h, large / std::max(hours_, 1e-9));
   if (id == "geometry_order")
     return std::max(kGeometry * stroke_nm, large) *
@@ -345,7 +314,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
       for (int of = 0; of < 3; ++of) {
         const double limit =
             levers_->mm[static_cast<std::size_t>(of)][static_cast<std::size_t>(tilt)];
-        const double slope = std::abs(in.slopes[of]);
+        const double slope = std::abs(slopes_(static_cast<Eigen::Index>(output), of));
         if (slope > 0) nm += slope * kRadPerArcsec * (std::isfinite(limit) ? limit / 3 : kLever_mm);
       }
       return nm;
@@ -404,72 +373,28 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
       const double column_range = columns.col(k).maxCoeff() - columns.col(k).minCoeff();
       if (!(column_range > 0)) continue;
       const auto at = static_cast<std::size_t>(o);
-      const double typical =
-          typical_of(cause, term, parameter, column_range, output.unit, in_outputs_[at]);
+      // The table is of lengths; of anything else only the noise is known.
       const bool length = output.unit == "nm";
-      const double factor = of_encoder(cause, output.unit) ? kOfEncoder
-                            : length                       ? range_factor(cause, term, at)
-                                                           : kUnlimited;
-      const double most =
-          length ? turns_back_at(cause, parameter, in_outputs_[at].slopes) : kUnlimited;
+      double typical = length ? nm_per_unit(cause, term, parameter, column_range, at)
+                              : 2 * kOfNoise * noise_sd_[at] / column_range;
+      double factor = length ? range_factor(cause, term, at) : kUnlimited;
+      // A signal of 36 arcsec that errs by 2 of them is broken; once a turn it is off its centre.
+      if (cause.id == "cyclic_error" && cause.parameter == "period_arcsec" &&
+          output.unit == "arcsec") {
+        typical = std::min(typical, kWaveOfAngle * parameter);
+        factor = 10;
+      }
+      // An error that turns back faster than its coordinate goes on would read backwards.
+      double most = kUnlimited;
+      if (cause.id == "cyclic_error" && cause.parameter == "period_nm" && length)
+        most = parameter / (2 * std::numbers::pi) *
+               std::max(1.0, slopes_.row(o).cwiseAbs().maxCoeff() / kNmPerMm);
+      typical = std::min(typical, most / 3);
       result.typical(k, o) = width_ * typical;
       result.range(k, o) = width_ * std::min(typical * factor, most);
     }
   }
-  add_along(cause, terms, parameter, columns, result);
   return result;
-}
-
-// Of a motor's own error that motor's; of an instrument's that of the coordinate which the cause
-// names, and of each where it names none. A fault of the data may be any motor's as well. What
-// bends or grows moves the robot in any way, and yet as often as not along one coordinate, or in
-// the motor that it is named after.
-void Physics::add_along(const Cause& cause, const std::vector<effects::Term>& terms,
-                        double parameter, const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                        AmplitudePrior& prior) const {
-  if ((prior.typical.array() > 0).colwise().any().count() < 2) return;
-  const bool of_motor = !cause.outputs.empty();
-  const bool of_robot = !of_motor && cause.applies_to == effects::AppliesTo::robot;
-  const bool of_any = cause.applies_to == effects::AppliesTo::dataset && cause.subject.empty();
-  std::vector<const Direction*> asked;
-  for (const auto& one : problem_.directions) {
-    const bool motor = is_motor_symbol(one.symbol);
-    if (of_motor   ? std::ranges::find(cause.outputs, one.symbol) != cause.outputs.end()
-        : of_robot ? !motor || cause.subject == one.symbol
-                   : (!motor || of_any) && (cause.subject.empty() || cause.subject == one.symbol))
-      asked.push_back(&one);
-  }
-  if (asked.empty()) return;
-  // What an instrument lost is in one coordinate; a motor that slipped has to show it.
-  const auto motors = std::ranges::stable_partition(
-      asked, [](const Direction* one) { return !is_motor_symbol(one->symbol); });
-  prior.along.usual = of_any ? motors.begin() - asked.begin() : 0;
-  const auto size = static_cast<Eigen::Index>(asked.size());
-  prior.along.per_unit.resize(prior.typical.cols(), size);
-  prior.along.sd = Eigen::MatrixXd::Zero(columns.cols(), size);
-  for (Eigen::Index d = 0; d < size; ++d) {
-    const Direction& one = *asked[static_cast<std::size_t>(d)];
-    const Shows& in = in_directions_[static_cast<std::size_t>(&one - problem_.directions.data())];
-    prior.along.per_unit.col(d) = one.per_unit;
-    prior.along_of.push_back(one.symbol);
-    for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-      const double column_range = columns.col(k).maxCoeff() - columns.col(k).minCoeff();
-      if (!(column_range > 0)) continue;
-      prior.along.sd(k, d) = width_ * typical_of(cause, terms[static_cast<std::size_t>(k)],
-                                                 parameter, column_range, one.unit, in);
-    }
-  }
-}
-
-// The table is of lengths; of anything else only the noise is known.
-double Physics::typical_of(const Cause& cause, const effects::Term& term, double parameter,
-                           double column_range, const std::string& unit, const Shows& in) const {
-  if (unit != "nm") {
-    const double typical = 2 * kOfNoise * in.noise_sd / column_range;
-    return of_encoder(cause, unit) ? std::min(typical, kWaveOfAngle * parameter) : typical;
-  }
-  return std::min(nm_per_unit(cause, term, parameter, column_range, in),
-                  turns_back_at(cause, parameter, in.slopes) / 3);
 }
 
 Eigen::VectorXd Physics::shared_precision(const Eigen::MatrixXd& prior_sd,

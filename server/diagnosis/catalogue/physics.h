@@ -14,7 +14,6 @@
 
 #include "server/diagnosis/answer/lever_limits.h"
 #include "server/diagnosis/catalogue/cause.h"
-#include "server/diagnosis/noise/ground.h"
 #include "server/diagnosis/rows/problem.h"
 
 namespace driftwise::diagnosis {
@@ -33,10 +32,6 @@ struct AmplitudePrior {
   // terms x outputs, summary unit of the output per unit of the term. 0: the cause does not act
   // there.
   Eigen::MatrixXd typical, range;
-  // Where the cause is an error of one coordinate or motor: the directions of Problem that it may
-  // have. None where one output alone shows it.
-  Along along;
-  std::vector<std::string> along_of;  // symbols of the directions
 };
 
 // Of the rows' noise, from what neighbours in time differ by after a least-squares fit of these
@@ -64,24 +59,12 @@ class Physics {
 
  private:
   double range_of(const std::string& symbol) const;
-  // What shows an amplitude: an output, or a direction as if it were one.
-  struct Shows {
-    double noise_sd = 0;        // of a row, summary unit
-    double range = 0;           // of what is measured, nm
-    Eigen::RowVector3d slopes;  // nm per mm of x, y, z; 0 where an axis does not vary
-  };
-  Shows shown_in(std::size_t output) const;
-  Shows shown_along(const Direction& direction) const;
-  double typical_of(const Cause& cause, const effects::Term& term, double parameter,
-                    double column_range, const std::string& unit, const Shows& in) const;
-  void add_along(const Cause& cause, const std::vector<effects::Term>& terms, double parameter,
-                 const Eigen::Ref<const Eigen::MatrixXd>& columns, AmplitudePrior& prior) const;
-  double nm_per_ppm(const effects::Term& term, const Shows& in) const;
+  double nm_per_ppm(const effects::Term& term, std::size_t output) const;
   double per_unit_at_the_end(const effects::Term& term,
                              const std::vector<std::string>& symbols) const;
   double of_first_order(const effects::Term& term) const;
   double nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
-                     double column_range, const Shows& in) const;
+                     double column_range, std::size_t output) const;
   double range_factor(const Cause& cause, const effects::Term& term, std::size_t output) const;
 
   const Problem& problem_;
@@ -89,8 +72,7 @@ class Physics {
   double width_ = 1;
   double longest_stroke_mm_ = 0, hours_ = 0, force_range_ = 0;
   std::vector<double> noise_sd_;  // of neighbouring rows, summary units
-  std::vector<Shows> in_outputs_, in_directions_;
-  Eigen::MatrixXd slopes_;  // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
+  Eigen::MatrixXd slopes_;        // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
 };
 
 }  // namespace driftwise::diagnosis

@@ -127,8 +127,7 @@ GainOf Extension::gain_of(const Ground& ground, const Cause& cause, std::vector<
     const auto columns = searched_columns(problem_, here);
     if (!columns) return 0.0;
     const Eigen::MatrixXd learned = problem_.learned(*columns);
-    const auto prior = physics_.prior(cause, here, value, learned);
-    return ground.gain(learned, prior.typical, prior.along).gain;
+    return ground.gain(learned, physics_.prior(cause, here, value, learned).typical).gain;
   };
 }
 
@@ -173,7 +172,7 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
   if (!columns) return result;
   const Eigen::MatrixXd learned = problem_.learned(*columns);
   result.prior = physics_.prior(what, result.terms, result.refined.value, learned);
-  result.gain = ground.settled_gain(learned, result.prior.typical, result.prior.along);
+  result.gain = ground.settled_gain(learned, result.prior.typical);
   result.refined.gain = result.gain.gain;
   result.nameable =
       result.gain.gain > 0 && within_range(result, learned, ground) &&
@@ -233,7 +232,6 @@ Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) con
   one.evidence = candidate.evidence;
   one.likelihood = candidate.gain.likelihood;
   one.share = candidate.gain.share;
-  one.along = candidate.gain.direction;
   return one;
 }
 
@@ -253,19 +251,6 @@ void Extension::forbid(std::size_t cause) {
 
 GateScore Extension::gate_score(const Candidate& candidate, const Ground& ground,
                                 const SoftBase& base) const {
-  const Gain& gain = candidate.gain;
-  if (gain.direction) {
-    const auto& along = search_.bank().entries[candidate.cause].along;
-    std::size_t shape = gain.shape.front();
-    for (std::size_t o = 0; o < gain.shape.size(); ++o)  // one of its own is another output's
-      if (gain.share[o] > 0) shape = gain.shape[o];
-    const auto matched = ground.matched(shape, along.per_unit.col(*gain.direction));
-    return gate_.judge(base,
-                       {{series_ * matched.weights, ground.space(shape).shape(),
-                         ground.matched_sd_with(gain, matched, shape),
-                         along.sd.col(*gain.direction) * matched.per_unit}},
-                       causes_[candidate.cause], candidate.cause);
-  }
   std::vector<NoiseShape> noise;
   std::vector<double> sd;
   for (std::size_t o = 0; o < candidate.gain.shape.size(); ++o) {
@@ -353,7 +338,7 @@ Result<void> Extension::leave_superfluous_values(Named& named) {
   const auto index = static_cast<std::size_t>(&named - named_.data());
   while (named.values.size() > 1) {
     const Ground here = ground(index, shapes_);
-    const double all = here.gain(named.learned, named.prior.typical, named.prior.along).gain;
+    const double all = here.gain(named.learned, named.prior.typical).gain;
     std::size_t least = 0;
     double highest = -INFINITY;
     for (std::size_t k = 0; k < named.values.size(); ++k) {
@@ -409,12 +394,11 @@ Result<void> Extension::withdraw_with_its_train(std::size_t index) {
 Extension::Candidate Extension::as_it_stands(std::size_t index, const Standing& standing,
                                              const Ground& ground) const {
   const Named& named = named_[index];
-  Candidate result{
-      .cause = named.cause,
-      .refined = {named.values.front().parameter, 0},
-      .gain = ground.settled_gain(named.learned, named.prior.typical, named.prior.along),
-      .terms = named.terms,
-      .prior = named.prior};
+  Candidate result{.cause = named.cause,
+                   .refined = {named.values.front().parameter, 0},
+                   .gain = ground.settled_gain(named.learned, named.prior.typical),
+                   .terms = named.terms,
+                   .prior = named.prior};
   result.refined.gain = result.gain.gain;
   result.evidence = result.gain.gain + standing.occam();
   result.beyond = result.evidence + standing.over_chance();

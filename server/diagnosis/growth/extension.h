@@ -30,9 +30,8 @@ struct Named {
   AmplitudePrior prior;
   double evidence =
       0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
-  double likelihood = 0;              // growth of 2 ln L
-  std::vector<double> share;          // of the prior's width, per output; 0: does not act there
-  std::optional<Eigen::Index> along;  // of prior.along, where it is likelier one amplitude
+  double likelihood = 0;      // growth of 2 ln L
+  std::vector<double> share;  // of the prior's width, per output; 0: does not act there
   std::vector<std::size_t> rivals;
 };
 

@@ -107,7 +107,6 @@ Result<std::vector<std::string>> Extension::settle() {
       named_[i].evidence = chosen.evidence;
       named_[i].likelihood = chosen.gain.likelihood;
       named_[i].share = chosen.gain.share;
-      named_[i].along = chosen.gain.direction;
     }
     name_rivals(i, *best, first);
     ++i;

@@ -11,10 +11,6 @@ constexpr double kAlreadyThere = 1e-4;  // of a column's whitened length
 constexpr double kWidths = 3;           // prior widths within which causes are compared
 constexpr double kLeast = 1e-12;        // of a sum of squares
 constexpr double kErrors = 2;           // standard errors of a correlation that is none
-// Of what the output that has most of an amplitude shows of it, in squares over the noise's: less
-// is none.
-constexpr double kShows = 1e-3;
-constexpr double kLeastOwn = 1e-6;  // of an output's variance: noise that no other output has
 
 // Columns whose amplitudes b have the prior N(0, width^2), integrated out: G = 1 + W' W with
 // W = white x width. ln det of I + W W', and what the sum of squares loses.
@@ -215,145 +211,7 @@ Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& 
   return result;
 }
 
-double either(double two_ln, double other_two_ln) {
-  const double most = std::max(two_ln, other_two_ln);
-  return most + 2 * std::log((1 + std::exp(-std::abs(two_ln - other_two_ln) / 2)) / 2);
-}
-
-Ground::Matched Ground::matched(std::size_t shape,
-                                const Eigen::Ref<const Eigen::VectorXd>& per_unit) const {
-  const auto dof = static_cast<double>(spaces_[shape].dof());
-  Matched result;
-  result.weights = Eigen::VectorXd::Zero(outputs());
-  std::vector<Eigen::Index> in;
-  for (Eigen::Index o = 0; o < outputs(); ++o)
-    if (per_unit[o] != 0 && shares(shape, o)) in.push_back(o);
-  if (in.empty()) return result;
-  // What shows nothing of the amplitude may still have the noise of what does.
-  for (Eigen::Index o = 0; o < outputs(); ++o)
-    if (per_unit[o] == 0 && shares(shape, o)) in.push_back(o);
-  const Eigen::MatrixXd left = left_[shape](Eigen::all, in);
-  const Eigen::VectorXd shown = per_unit(in);
-  Eigen::MatrixXd noise = left.transpose() * left / dof;
-  noise.diagonal() = (noise.diagonal() * (1 + kLeastOwn)).cwiseMax(1e-300);
-  Eigen::VectorXd weights = noise.llt().solve(shown);
-  result.per_unit = std::sqrt(std::max(shown.dot(weights), 1e-300));
-  weights /= result.per_unit;
-  result.sd = std::max((left * weights).norm() / std::sqrt(dof), kLeast);
-  result.weights(in) = weights;
-  return result;
-}
-
-double Ground::matched_sd_with(const Gain& effect, const Matched& matched,
-                               std::size_t shape) const {
-  Eigen::VectorXd left = left_[shape] * matched.weights;
-  for (Eigen::Index o = 0; o < outputs(); ++o)
-    if (const auto& part = effect.contribution[static_cast<std::size_t>(o)]; part.size() > 0)
-      left -= matched.weights[o] * part;
-  return left.norm() / std::sqrt(static_cast<double>(spaces_[shape].dof()));
-}
-
-// The part of the outputs that lies along a direction is one more output: what lies across it says
-// nothing of an amplitude that they share.
-Gain Ground::gain_along(const Eigen::MatrixXd& columns, const PriorSd& prior,
-                        const Along& along) const {
-  struct Best {
-    double gain = -1e300;
-    std::size_t shape = 0;
-    double share = 0;
-    Matched matched;
-  };
-  const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
-  const Eigen::RowVectorXd own = priced_.colwise().minCoeff().array() + kOwnShape;
-  std::vector<Best> best(static_cast<std::size_t>(along.directions()));
-  for (std::size_t s = 0; s < spaces_.size(); ++s) {
-    const Eigen::MatrixXd white = news_of(spaces_[s], centred);
-    double without = 0;
-    for (Eigen::Index o = 0; o < outputs(); ++o)
-      without += shares(s, o) ? priced_(static_cast<Eigen::Index>(s), o) : own[o];
-    for (Eigen::Index d = 0; d < along.directions(); ++d) {
-      Matched matched = this->matched(s, along.per_unit.col(d));
-      if (matched.per_unit == 0) continue;
-      const Eigen::VectorXd left = left_[s] * matched.weights;
-      const double rss = left.squaredNorm();
-      const Eigen::VectorXd products = white.transpose() * left,
-                            width = along.sd.col(d) * (matched.per_unit / matched.sd);
-      ByShare two_ln{};
-      for (std::size_t k = 0; k < kPriorShares.size(); ++k) {
-        const Integrated one(white, kPriorShares[k] * width);
-        two_ln[k] = spaces_[s].criterion(rss) -
-                    spaces_[s].criterion(std::max(rss - one.taken(products), kLeast * rss)) -
-                    one.log_determinant;
-      }
-      auto& here = best[static_cast<std::size_t>(d)];
-      const double gain = total_ - without + averaged(two_ln, false);
-      if (gain > here.gain) here = {gain, s, likeliest_share(two_ln, false), std::move(matched)};
-    }
-  }
-  Gain result;
-  result.gain = -1e300;
-  auto first = std::ranges::max_element(best, {}, &Best::gain);
-  if (first->gain <= -1e300) return result;
-  double sum = 0;
-  for (const auto& one : best) sum += std::exp((one.gain - first->gain) / 2);
-  result.gain = first->gain + 2 * std::log(sum / static_cast<double>(best.size()));
-  if (along.usual > 0 && first - best.begin() >= along.usual) {
-    const auto usual =
-        std::max_element(best.begin(), best.begin() + along.usual,
-                         [](const Best& a, const Best& b) { return a.gain < b.gain; });
-    if (usual->gain > first->gain - kDirectionTold) first = usual;
-  }
-  const Eigen::Index direction = first - best.begin();
-  result.direction = direction;
-  const auto& space = spaces_[first->shape];
-  const Matched& matched = first->matched;
-  const Eigen::MatrixXd white = news_of(space, centred);
-  const Integrated with(white,
-                        first->share * along.sd.col(direction) * (matched.per_unit / matched.sd));
-  const Eigen::VectorXd left = left_[first->shape] * matched.weights;
-  const Eigen::VectorXd amplitude = with.amplitudes(white.transpose() * left) / matched.per_unit;
-  const Eigen::VectorXd shown = along.per_unit.col(direction);
-  Eigen::VectorXd in_noise =
-      shown.cwiseAbs2().array() /
-      left_[first->shape].colwise().squaredNorm().transpose().array().max(1e-300);
-  for (Eigen::Index o = 0; o < outputs(); ++o)
-    if (!shares(first->shape, o)) in_noise[o] = 0;
-  for (Eigen::Index o = 0; o < outputs(); ++o) {
-    const auto row = static_cast<Eigen::Index>(first->shape);
-    const bool shares = this->shares(first->shape, o);
-    const bool acts = in_noise[o] > kShows * in_noise.maxCoeff();
-    const Eigen::Index own_shape =
-        static_cast<Eigen::Index>(best_priced_[static_cast<std::size_t>(o)]);
-    result.shape.push_back(static_cast<std::size_t>(shares ? row : own_shape));
-    Eigen::VectorXd contribution;
-    double gain = 0, share = 0;
-    if (acts) {
-      contribution = white * (shown[o] * amplitude);
-      gain = space.criterion(left_[first->shape].col(o).squaredNorm()) -
-             space.criterion((left_[first->shape].col(o) - contribution).squaredNorm());
-      const Eigen::VectorXd widths = along.sd.col(direction) * std::abs(shown[o]);
-      for (Eigen::Index k = 0; k < widths.size(); ++k)
-        if (prior(k, o) > 0) share = std::max(share, first->share * widths[k] / prior(k, o));
-    }
-    result.share.push_back(std::min(share, 1.0));
-    result.of_output.push_back(gain);
-    result.contribution.push_back(std::move(contribution));
-  }
-  return result;
-}
-
-Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior, const Along& along) const {
-  Gain each = gain_of_each(columns, prior);
-  if (along.directions() == 0) return each;
-  Gain one = gain_along(columns, prior, along);
-  one.likelihood = each.likelihood;
-  const double gain = either(each.gain, one.gain);
-  Gain& likelier = one.gain > each.gain ? one : each;
-  likelier.gain = gain;
-  return std::move(likelier);
-}
-
-Gain Ground::gain_of_each(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
+Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   Gain result;
   const auto count = static_cast<std::size_t>(outputs());
   result.of_output.assign(count, 0);
@@ -412,8 +270,8 @@ Gain Ground::gain_of_each(const Eigen::MatrixXd& columns, const PriorSd& prior) 
   return result;
 }
 
-Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior, Along along) const {
-  const Gain first = gain(columns, prior, along);
+Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
+  const Gain first = gain(columns, prior);
   PriorSd weighed = prior;
   for (Eigen::Index o = 0; o < outputs(); ++o) {
     const auto at = static_cast<std::size_t>(o);
@@ -421,13 +279,7 @@ Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior, 
     const double sd = white_sd_with(first, o);
     if (sd > 0) weighed.col(o) *= white_sd(o) / sd;
   }
-  for (Eigen::Index d = 0; d < along.directions(); ++d) {
-    const Matched here = matched(best_shape(0), along.per_unit.col(d));
-    if (here.per_unit == 0) continue;
-    const double sd = matched_sd_with(first, here, best_shape(0));
-    if (sd > 0) along.sd.col(d) *= std::max(here.sd / sd, 1.0);
-  }
-  return gain(columns, weighed, along);
+  return gain(columns, weighed);
 }
 
 Ground::Amplitudes Ground::amplitudes(const Eigen::MatrixXd& columns, const PriorSd& prior,

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "server/diagnosis/noise/noise_model.h"
@@ -22,17 +21,6 @@ Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& column
 // Gaussian prior of an effect's amplitudes: columns x outputs, standard deviation in the output's
 // summary unit per unit of the column. 0: does not act there.
 using PriorSd = Eigen::MatrixXd;
-
-// The same of effects that are one amplitude in all outputs: of one motor, or of the instrument
-// that measures one coordinate. Which of several directions it is has equal odds.
-struct Along {
-  // outputs x directions: what an output shows of a unit of the amplitude, summary units.
-  Eigen::MatrixXd per_unit;
-  Eigen::MatrixXd sd;  // columns x directions: of the amplitude, per unit of the column
-  // So many first ones are the usual: another is said where it is better by kDirectionTold.
-  Eigen::Index usual = 0;
-  Eigen::Index directions() const { return sd.cols(); }
-};
 
 // An amplitude's size is known to two or three orders of magnitude, for a good machine's effects
 // are far below a typical one's: its prior is, with equal odds, each of these shares of the typical
@@ -94,15 +82,7 @@ struct Gain {
   std::vector<double> share;                  // of the prior's width, per output: likeliest_share()
   std::vector<std::size_t> shape;             // of the noise with the effect, per output
   std::vector<Eigen::VectorXd> contribution;  // per output, whitened; empty: not asked
-  // Of Along, where one amplitude in all outputs is likelier than one in each.
-  std::optional<Eigen::Index> direction;
 };
-
-// In 2 ln of a marginal likelihood's ratio.
-inline constexpr double kDirectionTold = 6;
-
-// 2 ln of the mean of two marginal likelihoods' ratios at equal odds.
-double either(double two_ln, double other_two_ln);
 
 class Ground {
  public:
@@ -130,28 +110,11 @@ class Ground {
   // The part of it beyond chance: outputs_alike().
   const Eigen::MatrixXd& alike() const { return alike_; }
 
-  // What the outputs show along a direction: the sum of them with the least noise for what is to be
-  // seen, N^-1 d of their noise's covariance N. One series, with noise of its own; it is where one
-  // amplitude is asked for. An output whose noise has a shape of its own takes no part.
-  struct Matched {
-    Eigen::VectorXd weights;  // per output, of what is left of it
-    double per_unit = 0;      // of the series, for a unit of the amplitude; 0: shown by none
-    double sd = 1;            // of its noise
-  };
-  Matched matched(std::size_t shape, const Eigen::Ref<const Eigen::VectorXd>& per_unit) const;
-  // Has the output this shape where the outputs share it?
-  bool shares(std::size_t shape, Eigen::Index output) const {
-    const auto column = priced_.col(output);
-    return column[static_cast<Eigen::Index>(shape)] <= column.minCoeff() + kOwnShape;
-  }
-  // Of its noise with an effect in.
-  double matched_sd_with(const Gain& effect, const Matched& matched, std::size_t shape) const;
-  // columns: rows x c, centred or not. Amplitudes are integrated out under their prior: one in each
-  // output or, with directions, one in all of them, at equal odds.
-  Gain gain(const Eigen::MatrixXd& columns, const PriorSd& prior, const Along& along = {}) const;
+  // columns: rows x c, centred or not. Amplitudes are integrated out under their prior.
+  Gain gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
   // The same, priors weighed against the noise that is left with the effect in: what is not named
   // yet is noise to the first look, and slow noise may have taken it up.
-  Gain settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior, Along along = {}) const;
+  Gain settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
   // The same with free amplitudes: growth of 2 ln L alone, for shapes that no physics describes.
   Gain free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const;
   // Posterior mean and standard error of the amplitudes on one output.
@@ -162,8 +125,6 @@ class Ground {
                         Eigen::Index output) const;
 
  private:
-  Gain gain_of_each(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
-  Gain gain_along(const Eigen::MatrixXd& columns, const PriorSd& prior, const Along& along) const;
   Eigen::MatrixXd series_;
   std::vector<WhitenedSpace> spaces_;
   std::vector<Eigen::MatrixXd> left_;  // per shape: of the series

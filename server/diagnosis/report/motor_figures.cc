@@ -169,7 +169,7 @@ void say_of_motors(const CoordinateFrame& frame, const Problem& problem, const C
       say_own_number(cause, named, frame.motors[o],
                      fitted.bottomRows(columns.cols()).col(static_cast<Index>(o)), finding);
   if (outputs.size() == frame.motors.size()) turn_corrections(frame, problem, finding, outputs);
-  if (finding.subject.empty() && finding.applies_to != effects::AppliesTo::robot) {
+  if (cause.subject.empty() && finding.applies_to != effects::AppliesTo::robot) {
     Eigen::VectorXd noise_sd(size);
     for (Index c = 0; c < size; ++c) noise_sd[c] = extension.noise_sd(static_cast<std::size_t>(c));
     // Of two phases the stronger one.

@@ -217,8 +217,6 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     if (const auto width =
             width_along(problem, cause, named.values.front().parameter, of_play, error_of_play))
       finding.parameters.push_back(*width);
-  if (finding.subject.empty() && named.along)
-    finding.subject = named.prior.along_of[static_cast<std::size_t>(*named.along)];
   if (finding.subject.empty() && finding.outputs.size() == problem.outputs.size() &&
       cause.applies_to != effects::AppliesTo::robot) {
     const auto outputs = static_cast<Eigen::Index>(problem.outputs.size());

@@ -34,12 +34,6 @@ struct ProblemOutput {
   Eigen::VectorXd tails{};
 };
 
-// How an error of one coordinate or motor shows in the outputs (search/directions.h).
-struct Direction {
-  std::string symbol, unit;  // of the error, summary unit
-  Eigen::VectorXd per_unit;  // outputs, their summary unit per unit of the error
-};
-
 // Rows that one fit of the held-out figures learns from, and those it is judged on.
 struct Fold {
   std::vector<std::size_t> learn, judge;
@@ -64,7 +58,6 @@ struct Problem {
   std::vector<ProblemOutput> outputs;
   // In the frame of the coordinates: the motors (search/coordinate_frame.h). Empty: the outputs.
   std::vector<std::string> given_outputs{};
-  std::vector<Direction> directions{};      // of several outputs
   std::vector<effects::Term> base;          // the constant and further datums first
   Eigen::MatrixXd base_columns;             // every row of the dataset, raw, at the predicted pose
   Hidden hidden;                            // what coarse thermometers of the baseline hide

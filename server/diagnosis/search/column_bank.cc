@@ -156,15 +156,11 @@ Result<Bank> column_bank(const Problem& problem, const Physics& physics, std::ve
     for (std::size_t c = 0; c < bank.entries[e].count; ++c) {
       const auto& at = bank.cells[bank.entries[e].first + c];
       const auto& cell = causes[e].cells[c];
-      const auto prior = physics.prior(causes[e], cell.terms, cell.parameter,
-                                       bank.columns.middleCols(at.first, at.count));
-      bank.prior.middleRows(at.first, at.count) = prior.typical;
-      auto& along = bank.entries[e].along;
-      if (c == 0)
-        along = {prior.along.per_unit, Eigen::MatrixXd(0, prior.along.directions()),
-                 prior.along.usual};
-      along.sd.conservativeResize(along.sd.rows() + at.count, Eigen::NoChange);
-      along.sd.bottomRows(at.count) = prior.along.sd;
+      bank.prior.middleRows(at.first, at.count) =
+          physics
+              .prior(causes[e], cell.terms, cell.parameter,
+                     bank.columns.middleCols(at.first, at.count))
+              .typical;
     }
   return bank;
 }

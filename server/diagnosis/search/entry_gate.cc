@@ -130,7 +130,8 @@ std::vector<EntryGate::Fold> EntryGate::alternating_folds() const {
 }
 
 double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
-                        const std::vector<GateSeries>& in, std::size_t entry) const {
+                        const std::vector<NoiseShape>& noise, const std::vector<double>& sd,
+                        std::size_t entry) const {
   const auto& own = bank_.entries[entry];
   const Eigen::Index first = bank_.cells[own.first].first;
   const auto& last = bank_.cells[own.first + own.count - 1];
@@ -141,9 +142,13 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
   const SoftBase independent = independent_base(base);
   const Eigen::Index free = independent.free_count();
   std::vector<Side> sides;
-  const bool may_not_act = in.size() > 1;
-  for (const GateSeries& one : in) {
-    const Whitener whitener(problem_.timeline, one.noise);
+  const bool may_not_act =
+      (bank_.prior.middleRows(first, width).array() > 0).colwise().any().count() > 1;
+  for (Eigen::Index o = 0; o < series_.cols(); ++o) {
+    const auto at = static_cast<std::size_t>(o);
+    const Eigen::VectorXd prior = bank_.prior.col(o).segment(first, width);
+    if ((prior.array() <= 0).all()) continue;
+    const Whitener whitener(problem_.timeline, noise[at]);
     Side side;
     side.base = independent.columns;
     whitener.apply(side.base);
@@ -164,11 +169,11 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
     // Beyond the free columns of all rows: the same models, better numbers.
     side.cells -=
         side.base.leftCols(free) * (side.base.leftCols(free).transpose() * side.cells).eval();
-    side.cells = side.cells * (one.prior / one.sd).asDiagonal();
-    Eigen::MatrixXd y = one.values;
+    side.cells = side.cells * (prior / sd[at]).asDiagonal();
+    Eigen::MatrixXd y = series_.col(o);
     whitener.apply(y);
     side.y =
-        (y - side.base.leftCols(free) * (side.base.leftCols(free).transpose() * y).eval()) / one.sd;
+        (y - side.base.leftCols(free) * (side.base.leftCols(free).transpose() * y).eval()) / sd[at];
     side.all = sums_of(side, cells, nullptr);
     sides.push_back(std::move(side));
   }
@@ -253,30 +258,15 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
 GateScore EntryGate::judge(const SoftBase& base, const std::vector<NoiseShape>& noise,
                            const std::vector<double>& sd, const Cause& cause,
                            std::size_t entry) const {
-  const auto& own = bank_.entries[entry];
-  const auto& last = bank_.cells[own.first + own.count - 1];
-  const Eigen::Index first = bank_.cells[own.first].first, width = last.first + last.count - first;
-  std::vector<GateSeries> in;
-  for (Eigen::Index o = 0; o < series_.cols(); ++o) {
-    const Eigen::VectorXd prior = bank_.prior.col(o).segment(first, width);
-    const auto at = static_cast<std::size_t>(o);
-    if ((prior.array() > 0).any()) in.push_back({series_.col(o), noise[at], sd[at], prior});
-  }
-  return judge(base, in, cause, entry);
-}
-
-GateScore EntryGate::judge(const SoftBase& base, const std::vector<GateSeries>& in,
-                           const Cause& cause, std::size_t entry) const {
   GateScore result;
   if (cause.scale == ParameterScale::instant) {
-    result.by_time = score(alternating_folds(), base, in, entry);
+    result.by_time = score(alternating_folds(), base, noise, sd, entry);
     return result;
   }
   double gap_s = 0;
-  for (const auto& one : in)
-    gap_s = std::max(gap_s, one.noise.slow_ratio > 0 ? one.noise.tau_s : 0);
-  result.by_time = score(time_folds(gap_s), base, in, entry);
-  if (!place_folds_.empty()) result.by_places = score(place_folds_, base, in, entry);
+  for (const auto& shape : noise) gap_s = std::max(gap_s, shape.slow_ratio > 0 ? shape.tau_s : 0);
+  result.by_time = score(time_folds(gap_s), base, noise, sd, entry);
+  if (!place_folds_.empty()) result.by_places = score(place_folds_, base, noise, sd, entry);
   return result;
 }
 

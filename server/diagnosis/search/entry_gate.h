@@ -3,8 +3,8 @@
 // not fitted to, by contiguous blocks of time and by groups of neighbouring places. In each fold
 // its parameter is weighed again over its whole grid, and amplitudes and baseline are fitted again,
 // under their priors. The score is the growth of twice the log of the predictive density of the
-// whitened rows left out: over the outputs that the cause acts on together, or along the direction
-// in which it is one amplitude, averaged over the parameter.
+// whitened rows left out: over the outputs that the cause acts on together, averaged over the
+// parameter.
 //
 // Beside the test against nulls, never in its place. An event (a jump at one instant) cannot be
 // predicted from other blocks: every second short block is left out, and what is predicted is the
@@ -25,14 +25,6 @@ struct GateScore {
   bool passes() const { return by_time.value_or(1) > 0 && by_places.value_or(1) > 0; }
 };
 
-// A series that the cause shows in: an output, or what the outputs show along a direction.
-struct GateSeries {
-  Eigen::VectorXd values;  // one per block
-  NoiseShape noise;
-  double sd = 1;          // of the white noise
-  Eigen::VectorXd prior;  // standard deviation per column of the bank's entry
-};
-
 class EntryGate {
  public:
   // All outlive it. series: blocks x outputs, as for the search.
@@ -41,9 +33,6 @@ class EntryGate {
   // base: of what stands; noise: one shape per output; sd: of the white noise, per output.
   GateScore judge(const SoftBase& base, const std::vector<NoiseShape>& noise,
                   const std::vector<double>& sd, const Cause& cause, std::size_t entry) const;
-  // In these series; of several, the cause may act on some only.
-  GateScore judge(const SoftBase& base, const std::vector<GateSeries>& in, const Cause& cause,
-                  std::size_t entry) const;
 
  private:
   struct Fold {
@@ -51,7 +40,8 @@ class EntryGate {
     std::vector<Eigen::Index> idle;  // neither predicted nor learned from: the gap
   };
   double score(const std::vector<Fold>& folds, const SoftBase& base,
-               const std::vector<GateSeries>& in, std::size_t entry) const;
+               const std::vector<NoiseShape>& noise, const std::vector<double>& sd,
+               std::size_t entry) const;
   std::vector<Fold> time_folds(double gap_s) const;
   std::vector<Fold> alternating_folds() const;
 

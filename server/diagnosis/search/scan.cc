@@ -124,66 +124,6 @@ Eigen::ArrayXXf counted_times_of(const std::vector<ByShape>& without,
   return (together / sum.max(1e-20F)).max(1.0F);
 }
 
-// What one amplitude in all outputs is asked of, under one shape of noise.
-struct MatchedSides {
-  std::vector<Eigen::ArrayXf> products;  // of the outputs' series with each other: o, then p <= o
-  Eigen::ArrayXf without;                // criterion of all outputs, as in shared_total()
-
-  // Of the sum of the outputs with these weights.
-  Eigen::ArrayXf rss_of(const Eigen::VectorXf& weights) const {
-    Eigen::ArrayXf rss = Eigen::ArrayXf::Zero(without.size());
-    std::size_t at = 0;
-    for (Eigen::Index o = 0; o < weights.size(); ++o)
-      for (Eigen::Index p = 0; p <= o; ++p, ++at)
-        rss += (o == p ? 1.0F : 2.0F) * weights[o] * weights[p] * products[at];
-    return rss.max(1e-20F);
-  }
-};
-
-std::vector<MatchedSides> matched_sides(const Ground& ground,
-                                        const std::vector<std::vector<SeriesSide>>& sides,
-                                        const std::vector<ByShape>& without) {
-  std::vector<MatchedSides> result;
-  for (std::size_t s = 0; s < sides.size(); ++s) {
-    MatchedSides one;
-    one.without = Eigen::ArrayXf::Zero(sides[s].front().rss.size());
-    for (std::size_t o = 0; o < without.size(); ++o) {
-      for (std::size_t p = 0; p <= o; ++p)
-        one.products.emplace_back(
-            sides[s][o].left.cwiseProduct(sides[s][p].left).colwise().sum().transpose());
-      if (ground.shares(s, static_cast<Eigen::Index>(o))) {
-        one.without += without[o][s].col(0);
-        continue;
-      }
-      Eigen::ArrayXf own = without[o].front().col(0);
-      for (const auto& shape : without[o]) own = own.min(shape.col(0));
-      one.without += own + static_cast<float>(kOwnShape);
-    }
-    result.push_back(std::move(one));
-  }
-  return result;
-}
-
-bool with_directions(const Bank& bank) {
-  return std::ranges::any_of(bank.entries,
-                             [](const auto& entry) { return entry.along.directions() > 0; });
-}
-
-// either() of ground.h, of the gains with one amplitude in each output and of those along the
-// directions, whose odds are equal.
-Eigen::ArrayXXf either_way(const Eigen::ArrayXXf& gains,
-                           const std::vector<Eigen::ArrayXXf>& total_along,
-                           const Eigen::ArrayXf& total_without) {
-  Eigen::ArrayXXf top = gains;
-  for (const auto& total : total_along)
-    top = top.max(total_without.replicate(1, gains.cols()) - total);
-  Eigen::ArrayXXf sum = Eigen::ArrayXXf::Zero(gains.rows(), gains.cols());
-  for (const auto& total : total_along)
-    sum += ((total_without.replicate(1, gains.cols()) - total - top) / 2).exp();
-  sum = sum / static_cast<float>(total_along.size()) + ((gains - top) / 2).exp();
-  return top + 2 * (sum / 2).log();
-}
-
 struct Part {  // of a cause's cells, for one series
   Average average;
   float top = -1e30F, gain = -1e30F;
@@ -227,8 +167,6 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     }
   }
   const Eigen::ArrayXf total_without = shared_total(without).col(0);
-  const auto directed =
-      with_directions(bank) ? matched_sides(ground, sides, without) : std::vector<MatchedSides>();
   const bool any_alike = (ground.alike().array() > 0).count() > ground.alike().rows();
   const Eigen::MatrixXf alike = ground.alike().cast<float>();
   const auto slices = slices_of(bank, allowed);
@@ -239,7 +177,6 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     const auto& first = bank.cells[slice.first_cell];
     const auto& last = bank.cells[slice.first_cell + slice.cells - 1];
     const Eigen::Index width = last.first + last.count - first.first;
-    const Eigen::Index start = bank.cells[entry.first].first;
     const auto cells = static_cast<Eigen::Index>(slice.cells);
     const Eigen::MatrixXd raw = bank.columns.middleCols(first.first, width);
     std::vector<ByShape> with(outputs, ByShape(shapes));
@@ -252,11 +189,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
           (bank.prior.col(static_cast<Eigen::Index>(o)).segment(first.first, width).array() > 0)
               .any();
     const bool may_not_act = std::ranges::count(acts, 1) > 1;
-    Eigen::MatrixXf turned;
-    std::vector<Eigen::MatrixXf> along(outputs);  // series x columns
-    // Of all outputs with one amplitude along a direction, under the shape that suits it best.
-    std::vector<Eigen::ArrayXXf> total_along(static_cast<std::size_t>(entry.along.directions()),
-                                             Eigen::ArrayXXf::Constant(count, cells, INFINITY));
+    Eigen::MatrixXf along, turned;
     for (std::size_t s = 0; s < shapes; ++s) {
       Eigen::MatrixXd left = news_of(ground.space(s), raw.rowwise() - raw.colwise().mean());
       const Eigen::RowVectorXd lengths = left.colwise().norm().cwiseMax(1e-300);
@@ -275,7 +208,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
         const Eigen::VectorXd widths =
             prior.cwiseProduct(lengths.transpose()) / ground.white_sd(static_cast<Eigen::Index>(o));
         const auto& side = sides[s][o];
-        along[o].noalias() = side.left.transpose() * basis;
+        along.noalias() = side.left.transpose() * basis;  // series x columns
         for (Eigen::Index c = 0, j = 0; c < cells; ++c) {
           const Eigen::Index k = bank.cells[slice.first_cell + static_cast<std::size_t>(c)].count;
           // As Ground::gain(): the mean over the prior's shares, and over "does not act".
@@ -284,7 +217,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
           for (std::size_t w = 0; w < kPriorShares.size(); ++w) {
             const Integrated one = integrated(grams[static_cast<std::size_t>(c)],
                                               kPriorShares[w] * widths.segment(j, k));
-            turned.noalias() = along[o].middleCols(j, k) * one.turn;
+            turned.noalias() = along.middleCols(j, k) * one.turn;
             two_ln[w] =
                 -static_cast<float>(dof) *
                     (1 - turned.rowwise().squaredNorm().array() / side.rss).max(1e-6F).log() -
@@ -299,49 +232,10 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
           j += k;
         }
       }
-      // As Ground::gain_along().
-      for (Eigen::Index d = 0; d < entry.along.directions(); ++d) {
-        const Ground::Matched matched = ground.matched(s, entry.along.per_unit.col(d));
-        if (matched.per_unit == 0) continue;
-        // Series have the length 1 and their output's noise with it.
-        Eigen::VectorXf weights(static_cast<Eigen::Index>(outputs));
-        for (Eigen::Index o = 0; o < weights.size(); ++o)
-          weights[o] = static_cast<float>(matched.weights[o] * ground.white_sd(o) * std::sqrt(dof));
-        const Eigen::ArrayXf rss = directed[s].rss_of(weights);
-        Eigen::MatrixXf products = Eigen::MatrixXf::Zero(count, width);
-        for (std::size_t o = 0; o < outputs; ++o)
-          if (acts[o] != 0) products += weights[static_cast<Eigen::Index>(o)] * along[o];
-        const Eigen::VectorXd widths = entry.along.sd.col(d)
-                                           .segment(first.first - start, width)
-                                           .cwiseProduct(lengths.transpose()) *
-                                       (matched.per_unit / matched.sd);
-        for (Eigen::Index c = 0, j = 0; c < cells; ++c) {
-          const Eigen::Index k = bank.cells[slice.first_cell + static_cast<std::size_t>(c)].count;
-          Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(count), top = Eigen::ArrayXf::Zero(count);
-          for (const double share : kPriorShares) {
-            const Integrated one =
-                integrated(grams[static_cast<std::size_t>(c)], share * widths.segment(j, k));
-            turned.noalias() = products.middleCols(j, k) * one.turn;
-            const Eigen::ArrayXf two_ln =
-                -static_cast<float>(dof) *
-                    (1 - turned.rowwise().squaredNorm().array() / rss).max(1e-6F).log() -
-                one.log_determinant;
-            const Eigen::ArrayXf higher = top.max(two_ln);
-            sum = sum * ((top - higher) / 2).exp() + ((two_ln - higher) / 2).exp();
-            top = higher;
-          }
-          auto& total = total_along[static_cast<std::size_t>(d)];
-          total.col(c) =
-              total.col(c).min(directed[s].without -
-                               (top + 2 * (sum / static_cast<float>(kPriorShares.size())).log()));
-          j += k;
-        }
-      }
     }
     const Eigen::ArrayXXf total_with = shared_total(with);
     Eigen::ArrayXXf gains = total_without.replicate(1, cells) - total_with;
     if (any_alike) gains /= counted_times_of(without, with, alike);
-    if (!total_along.empty()) gains = either_way(gains, total_along, total_without);
     std::vector<Part> best(static_cast<std::size_t>(count));
     for (Eigen::Index c = 0; c < cells; ++c) {
       const auto gain = gains.col(c);

@@ -20,15 +20,7 @@ struct Bank {
   };
   struct Entry {                       // one cause
     std::size_t first = 0, count = 0;  // cells
-    Along along{};                     // its columns by directions
   };
-  // Of one cell of an entry.
-  Along along(const Entry& entry, const Cell& cell) const {
-    if (entry.along.directions() == 0) return {};
-    return {entry.along.per_unit,
-            entry.along.sd.middleRows(cell.first - cells[entry.first].first, cell.count),
-            entry.along.usual};
-  }
   Eigen::MatrixXd columns;  // at the rows of the search, finite
   PriorSd prior;            // one row per column of `columns`
   std::vector<Cell> cells;

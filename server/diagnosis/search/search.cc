@@ -86,10 +86,9 @@ std::vector<NoiseShape> Search::shapes_in_question(const SoftBase& base,
         return {};
       }
       const auto& at = bank_.cells[entry.first + cell];
-      candidates.push_back(
-          {order[i], cell,
-           whole.gain(bank_.columns.middleCols(at.first, at.count),
-                      bank_.prior.middleRows(at.first, at.count), bank_.along(entry, at))});
+      candidates.push_back({order[i], cell,
+                            whole.gain(bank_.columns.middleCols(at.first, at.count),
+                                       bank_.prior.middleRows(at.first, at.count))});
       top = std::max(top, candidates.back().gain.gain);
     }
   }
