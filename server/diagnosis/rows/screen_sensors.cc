@@ -110,8 +110,8 @@ std::optional<Foretold> foretold_by_others(const Dataset& dataset, const Dataset
 }
 
 // Has the part moved while this display stood still? It has where the display comes back elsewhere,
-// or where the others foretell it: by two of its steps, a step being what it changes by from row to
-// row; or by four of the display's, and of what they foretell the rows around to.
+// or where the others foretell it, by four times what they miss the rows around by: two of its
+// steps, a step being what it changes by from row to row; or four of the display's.
 bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double display,
                      double step, const std::vector<std::size_t>& frozen) {
   const auto& own = column.values;
@@ -119,8 +119,9 @@ bool moved_meanwhile(const Dataset& dataset, const DatasetColumn& column, double
   if (last + 1 < own.size() && std::abs(own[last + 1] - own[last]) >= kMoved * step) return true;
   const auto foretold = foretold_by_others(dataset, column, frozen);
   if (!foretold) return false;
+  if (foretold->range < kSurelyMoved * foretold->sd) return false;
   return (foretold->own >= kMoved * step && foretold->range >= kMoved * step) ||
-         foretold->range >= kSurelyMoved * std::max(display, foretold->sd);
+         foretold->range >= kSurelyMoved * display;
 }
 
 // Largest change from one value to the next.

@@ -5,8 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <string>
 
+#include "server/formats/csv/dataset_csv.h"
 #include "tests/unit/diagnosis/everyday_axis.h"
 
 namespace driftwise::diagnosis {
@@ -99,6 +103,17 @@ Diagnosis of_a_part_of_its_own(std::size_t from, unsigned seed) {
   Dataset data = axis.dataset();
   data.columns.push_back({{"t02", "degC"}, t02});
   return diagnosed(data, "q1 ~ x + x^2 + t01 + t02");
+}
+
+// Two others foretell that it fell by 0.12 K meanwhile, and miss it by 0.05 K where it moves.
+TEST(AThermometerThatStandsStill, IsNoneWhereTheOthersDoNotForetellIt) {
+  std::ifstream file(DRIFTWISE_SOURCE_DIR "/tests/data/plateau/null_5700041_study.csv");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const auto data = formats::read_dataset_csv(text, "null_5700041_study.csv");
+  ASSERT_TRUE(data);
+  const auto found = diagnosed(*data, "q1 ~ x + x^2 + T");
+  EXPECT_THAT(found.findings, ::testing::IsEmpty());
+  EXPECT_EQ(found.verdict, Verdict::adequate);
 }
 
 // Half of the rows tell what the robot does with the part's temperature: the others wait for it.
