@@ -286,12 +286,13 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
 
 namespace {
 
-// What the errors of a target are told from. Nothing: the request has no answer.
+// A request as far as the errors of its target are told from it.
 struct Answered {
   double factor = 1;  // of extrapolation
   LawAnswer law;      // of a geometry
 };
 
+// Nothing: the request has no answer.
 std::optional<Answered> answered(const Snapshot& snapshot, const TargetRequest& request) {
   Target target;
   if (look_at_request(snapshot, request, target) != Refusal::none) return std::nullopt;
