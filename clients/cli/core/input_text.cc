@@ -9,8 +9,19 @@
 
 namespace driftwise::cli {
 
+namespace {
+
+// A pipe is opened once only, by whoever reads it: its writer may go when the first reader does.
+int open_regular_file(const std::string& path) {
+  struct stat about {};
+  if (path == "-" || ::stat(path.c_str(), &about) != 0 || !S_ISREG(about.st_mode)) return -1;
+  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+}
+
+}  // namespace
+
 InputText::InputText(const std::string& path) {
-  const int file = path == "-" ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = open_regular_file(path);
   struct stat about {};
   if (file >= 0 && ::fstat(file, &about) == 0 && S_ISREG(about.st_mode) && about.st_size > 0) {
     const auto size = static_cast<std::size_t>(about.st_size);
