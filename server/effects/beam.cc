@@ -53,7 +53,8 @@ EffectKind cosine_error_kind() {
             return std::make_unique<CosineState>();
           },
           .applies_to = AppliesTo::correction,
-          .channel_units = {"mm", "arcsec", "arcsec"}};
+          .channel_units = {"mm", "arcsec", "arcsec"},
+          .memoryless = true};
 }
 
 EffectKind air_index_kind() {
@@ -67,7 +68,8 @@ EffectKind air_index_kind() {
             return std::make_unique<AirIndexState>();
           },
           .applies_to = AppliesTo::correction,
-          .channel_units = {"degC", "hPa", "pct"}};
+          .channel_units = {"degC", "hPa", "pct"},
+          .memoryless = true};
 }
 
 }  // namespace driftwise::effects

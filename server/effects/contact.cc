@@ -29,7 +29,8 @@ EffectKind contact_kind() {
           .parameters = {},
           .output_unit = "^(2/3)",
           .sentence = "approach of two rounded bodies under a load, by Hertz: the load to 2/3",
-          .make = make_contact};
+          .make = make_contact,
+          .memoryless = true};
 }
 
 }  // namespace driftwise::effects

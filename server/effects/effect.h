@@ -57,6 +57,8 @@ struct EffectKind {
   bool observes_path = false;
   // Reads the data's own clock (an instant, a phase): means nothing to a target asked for later.
   bool in_data_time = false;
+  // A function of its channels at the same instant: asks for no time.
+  bool memoryless = false;
   // Its first channel is a coordinate, a length in any unit or an angle in any; a parameter in nm
   // is then one in arcsec, and an output in mm is in the channel's unit.
   bool of_coordinate = false;

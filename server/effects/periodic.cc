@@ -42,6 +42,7 @@ EffectKind in_coordinate(const char* name) {
           .make = make_wave<sine, false>,
           .applies_to = AppliesTo::correction,
           .channel_units = {"mm"},
+          .memoryless = true,
           .of_coordinate = true};
 }
 

@@ -48,6 +48,7 @@ Result<TermEvaluator> TermEvaluator::create(const std::vector<Term>& terms,
           added.inputs.push_back(static_cast<std::size_t>(index));
         }
         added.scratch.resize(added.inputs.size());
+        if (!find_effect(call.effect)->memoryless) made.has_memory_ = true;
         made.calls_.push_back(std::move(added));
         known = made.calls_.end() - 1;
       }
@@ -60,7 +61,10 @@ Result<TermEvaluator> TermEvaluator::create(const std::vector<Term>& terms,
 }
 
 TermEvaluator::TermEvaluator(const TermEvaluator& other)
-    : channels_(other.channels_), terms_(other.terms_), outputs_(other.outputs_) {
+    : channels_(other.channels_),
+      has_memory_(other.has_memory_),
+      terms_(other.terms_),
+      outputs_(other.outputs_) {
   calls_.reserve(other.calls_.size());
   for (const auto& call : other.calls_)
     calls_.push_back({call.call, call.inputs, call.state->clone(), call.scratch});
@@ -95,7 +99,7 @@ void TermEvaluator::step(double time_s, std::span<const double> values,
 }
 
 void TermEvaluator::evaluate(std::span<const double> values, std::span<double> columns_out) const {
-  assert(!has_memory());
+  assert(calls_.empty());
   for (std::size_t j = 0; j < terms_.size(); ++j) columns_out[j] = column(terms_[j], values);
 }
 
@@ -111,7 +115,7 @@ Eigen::MatrixXd TermEvaluator::block(std::span<const double> time_s,
       for (std::size_t k = 0; k < call.inputs.size(); ++k)
         call.scratch[k] = values[call.inputs[k]][row];
       outputs(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(i)) =
-          call.state->step(time_s[row], call.scratch);
+          call.state->step(time_s.empty() ? 0.0 : time_s[row], call.scratch);
     }
   }
   Eigen::MatrixXd result(n, static_cast<Eigen::Index>(terms_.size()));

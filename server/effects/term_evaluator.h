@@ -34,14 +34,14 @@ class TermEvaluator {
 
   std::size_t columns() const { return terms_.size(); }
   std::size_t channels() const { return channels_; }
-  bool has_memory() const { return !calls_.empty(); }
+  bool has_memory() const { return has_memory_; }
 
   // One reading. values: channels() numbers, NaN where missing; columns_out: columns() numbers, NaN
   // where a value it needs is missing. Rows come in time order; time_s is ignored by terms without
   // memory.
   void step(double time_s, std::span<const double> values, std::span<double> columns_out);
 
-  // What step() would give, without advancing: for evaluators without memory (asserted).
+  // What step() would give, without advancing: for terms that call no effect (asserted).
   void evaluate(std::span<const double> values, std::span<double> columns_out) const;
 
   // Many readings: the same numbers as step() row by row, columns without memory in whole columns.
@@ -72,6 +72,7 @@ class TermEvaluator {
   double column(const TermSlot& term, std::span<const double> values) const;
 
   std::size_t channels_ = 0;
+  bool has_memory_ = false;
   std::vector<TermSlot> terms_;
   std::vector<CallSlot> calls_;  // each distinct call once
   std::vector<double> outputs_;  // of the calls, at the present reading

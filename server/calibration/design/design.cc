@@ -68,10 +68,10 @@ Result<std::vector<double>> effect_column(const Dataset& dataset, const effects:
     DRIFTWISE_TRY(auto values, channel_values(dataset, symbol, name));
     inputs.push_back(values);
   }
-  if (dataset.time_s.empty())
+  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create({Term{{call}}}, call.symbols));
+  if (evaluator.has_memory() && dataset.time_s.empty())
     return fail(ErrorCode::invalid_argument, reasons::kUntimed,
                 name + " needs to know when each row was measured: the data have no time_s column");
-  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create({Term{{call}}}, call.symbols));
   const Eigen::MatrixXd column = evaluator.block(dataset.time_s, inputs, dataset.rows);
   return std::vector<double>(column.data(), column.data() + column.size());
 }

@@ -9,6 +9,7 @@
 #include "server/core/data/reading.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/effects/effect.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
 #include "server/formats/export/model_c_parts.h"
@@ -35,8 +36,14 @@ Result<CInputs> collect_inputs(const calibration::Model& model) {
     for (const auto& term : output.terms) {
       if (effects::datum_of(term)) continue;
       for (const auto& factor : term.factors)
-        if (std::holds_alternative<effects::Call>(factor))
-          return not_exportable(term, "has a memory: it is no function of the present values");
+        if (const auto* call = std::get_if<effects::Call>(&factor)) {
+          const auto* kind = effects::find_effect(call->effect);
+          return not_exportable(
+              term, kind != nullptr && kind->memoryless
+                        ? "needs a function of the C library, whose last digits differ from one "
+                          "to another: the exported file has to give the daemon's own"
+                        : "has a memory: it is no function of the present values");
+        }
       for (const auto& symbol : effects::symbols_of(term))
         if (inputs.expression(symbol).empty())
           return not_exportable(

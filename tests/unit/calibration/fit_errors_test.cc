@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/calibration/design/predict.h"
 #include "server/core/data/reading.h"
 #include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
@@ -157,6 +158,17 @@ TEST(FitErrors, RefusesADerivativeOfUntimedData) {
   Dataset data = make_campaign({});
   data.time_s.clear();
   EXPECT_EQ(error_of(data, "q1 ~ x + rate(t01, 300 s)").reason, "UNTIMED");
+}
+
+TEST(FitErrors, AFunctionOfThePlaceAsksForNoTimes) {
+  Dataset data = make_campaign({});
+  const auto timed = formats::fit_formula(data, "q1 ~ x + sin(x, 900000 nm) + T", all_terms());
+  data.time_s.clear();
+  const auto untimed = formats::fit_formula(data, "q1 ~ x + sin(x, 900000 nm) + T", all_terms());
+  ASSERT_TRUE(timed) << timed.error().message;
+  ASSERT_TRUE(untimed) << untimed.error().message;
+  EXPECT_EQ(untimed->outputs[0].coefficients, timed->outputs[0].coefficients);
+  EXPECT_TRUE(predict(data, untimed->outputs[0]));
 }
 
 TEST(FitErrors, RefusesANegativeWeight) {

@@ -61,6 +61,22 @@ TEST(AirIndex, MovesAsThePublishedStudySays) {
   EXPECT_NEAR(at - value_of("air_index", {}, {20, 1013.25, 53}), 0.03, 0.01);
 }
 
+TEST(EffectKinds, WithoutMemoryGiveTheSameWhateverCameBefore) {
+  int memoryless = 0;
+  for (const auto& kind : effect_kinds()) {
+    if (!kind.memoryless) continue;
+    ++memoryless;
+    std::vector<Quantity> parameters;
+    for (const auto& one : kind.parameters) parameters.push_back({0.3, one.unit});
+    const std::vector<double> now(static_cast<std::size_t>(kind.symbol_count), 0.7),
+        before(now.size(), -4.0);
+    const auto fresh = kind.make(parameters), used = kind.make(parameters);
+    for (int k = 0; k < 5; ++k) used->step(100.0 * k, before);
+    EXPECT_EQ(used->step(500, now), fresh->step(0, now)) << kind.name;
+  }
+  EXPECT_EQ(memoryless, 5);  // sin, cos, cosine, air_index, contact
+}
+
 TEST(EffectKinds, EachHasASentenceAndAUsage) {
   for (const auto& kind : effect_kinds()) {
     EXPECT_FALSE(kind.sentence.empty()) << kind.name;

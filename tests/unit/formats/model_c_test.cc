@@ -202,6 +202,15 @@ TEST(WriteModelC, RefusesAModelOfSeveralRobots) {
   EXPECT_EQ(source.error().reason, "NOT_EXPORTABLE");
 }
 
+TEST(WriteModelC, RefusesAFunctionThatEachLibraryRoundsItsOwnWay) {
+  auto model = axis_model();
+  model.outputs[0].terms.back() = {{effects::Call{"contact", {"x"}, {}}}};
+  const auto source = write_model_c(model, "axis");
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().reason, "NOT_EXPORTABLE");
+  EXPECT_EQ(source.error().message.find("memory"), std::string::npos) << source.error().message;
+}
+
 TEST_F(CompiledModel, SaysWhenAnotherZeroIsKnownByAConstantOnly) {
   auto model = axis_model();  // a scale that was homed elsewhere: 1 mm of a range of 8 mm
   std::string source = *write_model_c(model, "axis");
