@@ -142,6 +142,7 @@ void add_held_out(const Design& design, const Dataset& dataset, const Eigen::Vec
     accuracy.u90_blocks_high = held.u90_high;
     accuracy.a90_blocks_low = held.low;
     accuracy.a90_blocks_high = held.high;
+    accuracy.block_count = held.folds;
   }
   if (dataset.rows > kMostHeldOutRows || (validation.size() < 2 && !blocks)) return;
   output.held_out.assign(dataset.rows, std::nan(""));

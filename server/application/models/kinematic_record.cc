@@ -116,6 +116,7 @@ calibration::Accuracy accuracy_of(const identification::OutputFigures& figures, 
     accuracy.a90_blocks = blocks->figures.a90;
     accuracy.a90_blocks_low = blocks->low;
     accuracy.a90_blocks_high = blocks->high;
+    accuracy.block_count = blocks->folds;
   }
   return accuracy;
 }

@@ -68,6 +68,7 @@ struct Accuracy {
   std::optional<double> u90_blocks, mean_blocks, a90_blocks;  // held out by blocks of time
   std::optional<double> u90_blocks_low, u90_blocks_high;      // 90 % intervals over the blocks
   std::optional<double> a90_blocks_low, a90_blocks_high;
+  std::optional<double> block_count;  // of those intervals; none: of a model from before 2026-12
   double lag1_autocorrelation = 0, effective_rows = 0;
   // Residuals in time order: the share of their variance that is slow, and over how many rows it
   // keeps (serial_noise.h). 0: white.

@@ -35,7 +35,7 @@ HeldOut held_out_figure(const std::vector<ErrorSums>& folds) {
   ErrorSums all;
   for (const auto& fold : folds) all += fold;
   if (!(all.squares > 0)) return {};
-  HeldOut result{.figures = error_figures(all)};
+  HeldOut result{.figures = error_figures(all), .folds = static_cast<int>(folds.size())};
   const Range a90 = jackknife(folds, all, [](const auto& figures) { return figures.a90; });
   const Range u90 = jackknife(folds, all, [](const auto& figures) { return figures.u90; });
   result.low = a90.low;

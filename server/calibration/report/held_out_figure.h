@@ -12,6 +12,7 @@ struct HeldOut {                     // column unit
   double low = 0, high = 0;          // 90 % interval of A90: jackknife over the folds on the
                                      // logarithm of the mean square, t with folds - 1
   double u90_low = 0, u90_high = 0;  // of U90, likewise on the variance
+  int folds = 0;
 };
 
 // At least two folds.

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "server/calibration/linear/tail.h"
+#include "server/calibration/model/fit_options.h"
 #include "server/calibration/report/residual_statistics.h"
 #include "server/core/data/accuracy.h"
 #include "server/core/units.h"
@@ -43,10 +44,11 @@ CheckReference reference_of(const calibration::OutputModel& output, std::int64_t
     reference.sd = *accuracy.a90_blocks / kSigmaToU90 * factor;
     reference.source = "blocks of time";
     if (accuracy.a90_blocks_high && *accuracy.a90_blocks_high > *accuracy.a90_blocks) {
-      // The interval is 90 % by t over (usually ten) blocks on ln(mean square), whose variance is
-      // 2 / dof for a variance with that many degrees of freedom.
-      constexpr double kT = 1.833;
-      const double se = 2 * std::log(*accuracy.a90_blocks_high / *accuracy.a90_blocks) / kT;
+      // The interval is 90 % by t over the blocks on ln(mean square), whose variance is 2 / dof for
+      // a variance with that many degrees of freedom.
+      const double blocks = accuracy.block_count.value_or(calibration::FitOptions{}.blocks);
+      const double t = calibration::t_quantile(0.95, std::max(1.0, blocks - 1));
+      const double se = 2 * std::log(*accuracy.a90_blocks_high / *accuracy.a90_blocks) / t;
       reference.dof = std::clamp(2 / (se * se), kFewestDof, most_dof);
     }
   } else if (accuracy.a90_validation && *accuracy.a90_validation > 0) {

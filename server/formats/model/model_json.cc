@@ -29,7 +29,7 @@ constexpr const char* kSchema = "driftwise.model.v1";
       model;
   [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9, o10, o11, o12, o13] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
-                                a16, a17, a18, a19, a20, a21, a22, a23, a24, a25, a26, a27] =
+                                a16, a17, a18, a19, a20, a21, a22, a23, a24, a25, a26, a27, a28] =
       accuracy;
   [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, r12] = report;
   [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6, s7] = step;
@@ -95,6 +95,7 @@ void each_optional(A& accuracy, Visit visit) {
   visit("a90_blocks", accuracy.a90_blocks);
   visit("a90_blocks_low", accuracy.a90_blocks_low);
   visit("a90_blocks_high", accuracy.a90_blocks_high);
+  visit("block_count", accuracy.block_count);
   visit("pure_error", accuracy.pure_error);
   visit("lack_of_fit_f", accuracy.lack_of_fit_f);
   visit("lack_of_fit_p", accuracy.lack_of_fit_p);

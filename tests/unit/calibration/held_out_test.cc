@@ -53,6 +53,7 @@ TEST(HeldOut, IntervalHoldsTheFigureAndNarrowsWithData) {
     EXPECT_GT(*accuracy.u90_blocks_high, *accuracy.u90_blocks);
     EXPECT_LT(*accuracy.a90_blocks_low, *accuracy.a90_blocks);
     EXPECT_GT(*accuracy.a90_blocks_high, *accuracy.a90_blocks);
+    EXPECT_EQ(*accuracy.block_count, 10);
     return *accuracy.a90_blocks_high / *accuracy.a90_blocks_low;
   };
   EXPECT_LT(width(6000), width(300));

@@ -139,6 +139,23 @@ TEST(CheckStandard, SeesOverSeveralRunsWhatOneDoesNotShow) {
 
 // What all is for: a robot that is as it was must be left alone. Per run judged; five runs after
 // each model, noise from white to strongly correlated.
+TEST(CheckStandard, KnowsHowManyBlocksTheAccuracyOfTheModelRestsOn) {
+  // An interval by t over few blocks is wide for two reasons. t alone: 2.920 over three blocks,
+  // 1.833 over ten (quantile 0.95 with 2 and 9 degrees of freedom, any table).
+  std::mt19937 random(5);
+  const Robot robot;
+  auto model = learn(robot, random);
+  auto& accuracy = model.outputs[0].accuracy;
+  accuracy.a90_blocks_high = *accuracy.a90_blocks * 1.5;
+  const auto dof = [&](std::optional<double> blocks) {
+    accuracy.block_count = blocks;
+    return check(model, robot, 2, random).outputs[0].reference.dof;
+  };
+  EXPECT_NEAR(dof(10), 2 / std::pow(2 * std::log(1.5) / 1.833, 2), 0.01);
+  EXPECT_NEAR(dof(3), 2 / std::pow(2 * std::log(1.5) / 2.920, 2), 0.01);
+  EXPECT_EQ(dof(std::nullopt), dof(10)) << "a model of before";
+}
+
 TEST(CheckStandard, CriesWolfRarely) {
   constexpr double kPromise = 0.02;
   for (const double lag1 : {0.0, 0.5, 0.8}) {
