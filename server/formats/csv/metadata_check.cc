@@ -78,24 +78,27 @@ std::string wrong_with(const std::string& key, const std::string& word, const Da
 
 }  // namespace
 
-Result<void> check_metadata(std::string_view text, const Dataset& data,
-                            const std::string& file_name) {
-  const auto refuse = [&](std::size_t entry, const std::string& sentence) {
-    return fail(ErrorCode::invalid_argument, reasons::kBadMetadata,
-                at_line(file_name, line_of_entry(text, entry)) + "'# " +
-                    data.metadata[entry].first + ":': " + sentence);
-  };
+std::optional<MetadataSlip> metadata_slip(const Dataset& data) {
   const bool all_have_parts = every_thermometer_has_a_part(data);
   for (std::size_t i = 0; i < data.metadata.size(); ++i) {
     const auto& [key, value] = data.metadata[i];
     if (key == kOverruns && value != "yes" && value != "no")
-      return refuse(i, "found " + shown(value) + ", expected yes or no");
+      return MetadataSlip{i, "found " + shown(value) + ", expected yes or no"};
     std::istringstream words(value);
     for (std::string word; words >> word;)
-      if (const auto wrong = wrong_with(key, word, data, all_have_parts); !wrong.empty())
-        return refuse(i, wrong);
+      if (auto wrong = wrong_with(key, word, data, all_have_parts); !wrong.empty())
+        return MetadataSlip{i, std::move(wrong)};
   }
-  return {};
+  return std::nullopt;
+}
+
+Result<void> check_metadata(std::string_view text, const Dataset& data,
+                            const std::string& file_name) {
+  const auto slip = metadata_slip(data);
+  if (!slip) return {};
+  return fail(ErrorCode::invalid_argument, reasons::kBadMetadata,
+              at_line(file_name, line_of_entry(text, slip->entry)) + "'# " +
+                  data.metadata[slip->entry].first + ":': " + slip->sentence);
 }
 
 }  // namespace driftwise::formats

@@ -5,6 +5,7 @@
 
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/formats/csv/metadata_check.h"
 #include "server/formats/import/foreign_rows.h"
 #include "server/formats/import/grouping.h"
 #include "server/formats/import/import_poses.h"
@@ -227,6 +228,14 @@ void describe(ImportReport& report, const ImportMapping& mapping, const SourceTa
   for (const auto& rule : mapping.drops) report.dropped.push_back({rule.why, 0, {}});
 }
 
+Result<void> check_metadata_of(const Gathering& g) {
+  const auto slip = metadata_slip(g.out.dataset);
+  if (!slip) return {};
+  return fail(ErrorCode::invalid_argument, reasons::kBadMetadata,
+              g.mapping.name + ": [metadata] " + g.out.dataset.metadata[slip->entry].first + ": " +
+                  slip->sentence);
+}
+
 }  // namespace
 
 Result<ImportedDataset> import_dataset(std::string_view bytes, const std::string& file_name,
@@ -265,6 +274,7 @@ Result<ImportedDataset> import_dataset(std::string_view bytes, const std::string
   for (const auto& pose : mapping.poses) apply_pose(pose, g.out.dataset);
   place_sets(g, place_groups(g));
   place_metadata(g, bytes);
+  DRIFTWISE_RETURN_IF_ERROR(check_metadata_of(g));
   return std::move(g.out);
 }
 

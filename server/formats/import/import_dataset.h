@@ -48,7 +48,7 @@ constexpr std::size_t kMostImportBytes = std::size_t{1} << 30;  // when inflated
 // Errors, invalid_argument, each naming file:line, the column, found and expected: those of gunzip,
 // to_utf8 and ForeignRows; NO_HEADER, NO_ROWS, ALL_DROPPED, UNKNOWN_COLUMN, AMBIGUOUS_COLUMN,
 // RAGGED_ROW, BAD_NUMBER, BAD_INTEGER, BAD_FLAG, MISSING_VALUE, BAD_TIME, TIME_NOT_INCREASING,
-// BAD_SET.
+// BAD_SET, BAD_METADATA (a slip in a line of [metadata] that a computation reads).
 Result<ImportedDataset> import_dataset(std::string_view bytes, const std::string& file_name,
                                        const ImportMapping& mapping);
 

@@ -65,6 +65,17 @@ TEST(ImportDataset, SaysThatACompressedFileWithNothingInItHasNoRows) {
   }
 }
 
+TEST(ImportDataset, RefusesASlipInTheMetadataThatItsReaderWouldRefuse) {
+  const std::string text = "pos;temp\n0,5;293,15\n", mapping = kTwoColumns;
+  const auto error = refused(text, mapping + "[metadata]\nparts = \"to1=robot\"\n");
+  EXPECT_EQ(error.reason, "BAD_METADATA");
+  EXPECT_THAT(error.message, HasSubstr("map.toml: [metadata] parts: found 'to1=robot'"));
+  EXPECT_THAT(error.message, HasSubstr("did you mean t01?"));
+  EXPECT_EQ(refused(text, mapping + "[metadata]\noverruns = \"true\"\n").reason, "BAD_METADATA");
+  const auto out = imported(text, mapping + "[metadata]\nparts = \"t01=robot\"\n");
+  EXPECT_TRUE(read_dataset_csv(write_dataset_csv(out.dataset), "out.csv"));
+}
+
 TEST(ImportDataset, TakesColumnsByNumberWhereThereIsNoHeader) {
   const auto out = imported("7 1.5\n8 2.5\n",
                             "[file]\nseparator = \"blanks\"\nheader = false\n"
