@@ -172,9 +172,19 @@ Result<std::vector<std::int64_t>> runs_of_files(Store& store, const std::vector<
   return of_files;
 }
 
+// With what a join has of its first part: the instant of its first row, the names of its sets.
 Result<correction::JoinParts> parts_of_join(Store& store, const std::vector<RunId>& runs,
-                                            const CellDescription* present) {
-  return join_parts(store, runs, *present);
+                                            const CellDescription* present, Clock* clock) {
+  DRIFTWISE_TRY(auto parts, join_parts(store, runs, *present));
+  if (parts.empty()) return parts;
+  Dataset& first = parts.front().data;
+  const auto names = set_names_of(store, {runs.front()}, first);
+  drop_set_names(first);
+  if (!formats::named_sets(names).empty())
+    first.metadata.emplace_back(formats::kSetNamesKey, formats::packed_set_names(names));
+  if (const auto zero = time_zero(store, {runs.front()}))
+    first.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
+  return parts;
 }
 
 }  // namespace
@@ -228,7 +238,8 @@ Awaitable<Result<RunRecord>> DatasetsService::import_csv(Caller caller, std::str
 }
 
 Awaitable<Result<JoinAnswer>> DatasetsService::join(Caller caller, JoinRequest request) {
-  DRIFTWISE_CO_TRY(auto parts, co_await reader_.call(parts_of_join, request.runs, &description_));
+  DRIFTWISE_CO_TRY(auto parts,
+                   co_await reader_.call(parts_of_join, request.runs, &description_, &clock_));
   DRIFTWISE_CO_TRY(const auto of_files, co_await reader_.call(runs_of_files, request.runs));
   DRIFTWISE_CO_TRY(auto joined, co_await run_on(background_, join_runs, std::move(parts),
                                                 request.rules, description_.name));

@@ -14,6 +14,7 @@
 #include "server/correction/described_stage.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/csv/trajectory_csv.h"
 #include "server/formats/join/join_report.h"
 #include "server/formats/text/text.h"
@@ -122,6 +123,20 @@ Result<correction::JoinPart> part_of(Store& store, RunId id,
   return part;
 }
 
+// Of the first part, for the rows that the join has of it. Empty: its sets have no names.
+std::vector<std::string> set_names_of(const correction::JoinPart& part,
+                                      const std::vector<std::int64_t>& trajectory_rows) {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : part.data.metadata)
+    if (key == formats::kSetNamesKey) names = formats::unpacked_set_names(value, part.data.rows);
+  if (names.empty()) return {};
+  std::map<std::int64_t, std::size_t> index_of;
+  for (std::size_t i = 0; i < part.data.rows; ++i) index_of[part.row_of(i)] = i;
+  std::vector<std::string> out;
+  for (const auto row : trajectory_rows) out.push_back(names[index_of.at(row)]);
+  return out;
+}
+
 }  // namespace
 
 Result<correction::JoinParts> join_parts(Store& store, const std::vector<RunId>& runs,
@@ -157,6 +172,8 @@ Result<JoinedRuns> join_runs(correction::JoinParts parts, const correction::Join
   joined.data.metadata = {{std::string(formats::kDatasetVersionKey), "1"}, {"cell", cell}};
   for (auto& line : formats::join_metadata(parts, rules, joined.report))
     joined.data.metadata.push_back(std::move(line));
+  if (const auto names = set_names_of(parts.front(), joined.rows); !names.empty())
+    joined.data.metadata.emplace_back(formats::kSetNamesKey, formats::packed_set_names(names));
   return JoinedRuns{std::move(joined.data), formats::join_json(parts, rules, joined.report).dump()};
 }
 

@@ -25,6 +25,7 @@ struct JoinedRuns {
   std::string report_json;
 };
 
+// Names of sets (set_names.h, as a line of the metadata) are those of the first part.
 // Any thread. Errors: those of correction::join.
 Result<JoinedRuns> join_runs(correction::JoinParts parts, const correction::JoinRules& rules,
                              const std::string& cell);

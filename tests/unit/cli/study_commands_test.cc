@@ -84,6 +84,9 @@ TEST_F(StudyCommandsTest, SaysWhatIsMissingOrTooMuch) {
   EXPECT_EQ(rows.exit, 2);
   EXPECT_THAT(rows.err, HasSubstr("driftwise data exclude"));
   EXPECT_EQ(run({"fit", "--run", "3", "--model", "q ~ x", "--validation", "x.csv"}).exit, 2);
+  const auto unnamed = run({"fit", "rows.csv", "--model", "q ~ x", "--note", "after the move"});
+  EXPECT_EQ(unnamed.exit, 2) << "nothing keeps the note";
+  EXPECT_THAT(unnamed.err, HasSubstr("driftwise data import"));
 }
 
 TEST_F(StudyCommandsTest, TheThreadsOfAFitAreAskedFor) {

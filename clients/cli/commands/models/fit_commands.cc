@@ -116,6 +116,11 @@ ExitCode fit(const Session& session, FitArguments& a) {
                   std::string("fit what? found ") + (a.file.empty() ? "neither" : "both") +
                       " a file and --run; give one: driftwise fit data.csv ..., or driftwise fit "
                       "--run 3 ..."};
+  if (!a.file.empty() && !(a.name.empty() && a.note.empty()))
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  std::string(a.name.empty() ? "--note" : "--name") +
+                      " is kept with a model that the daemon stores: it goes with --run. Rows of a "
+                      "file become a run by driftwise data import"};
   if (a.fit.formula.starts_with('@')) a.fit.formula = read_input_file(a.fit.formula.substr(1));
   const bool needs_formula = a.method == "stepwise" || a.method == "classic";
   if (needs_formula && a.fit.formula.empty())
@@ -212,8 +217,8 @@ void add_fit_command(CLI::App& app, Session& session) {
   command.add_flag("--joint-errors", a->joint_errors,
                    "with --run and --method kinematic, of an arm: errors of its joints that the "
                    "diagnosis finds are in");
-  command.add_option("--name", a->name, "of the stored model");
-  command.add_option("--note", a->note, "kept with the stored model");
+  command.add_option("--name", a->name, "of the model that the daemon stores");
+  command.add_option("--note", a->note, "kept with that model");
 }
 
 }  // namespace driftwise::cli

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
 
 #include "server/formats/csv/dataset_csv.h"
 #include "tests/support/cell_in_memory.h"
@@ -13,6 +15,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::SizeIs;
 
 class JoinedRuns : public testing::Test {
  protected:
@@ -74,6 +77,25 @@ TEST_F(JoinedRuns, AreTheMeanRowByRow) {
   for (std::size_t row = 0; row < both.rows; ++row)
     EXPECT_DOUBLE_EQ(both.find("q1")->values[row],
                      (a.find("q1")->values[row] + b.find("q1")->values[row]) / 2);
+}
+
+TEST_F(JoinedRuns, HaveTheTimesAndTheNamesOfSetsOfTheFirst) {
+  const std::string named = std::regex_replace(plan, std::regex("validation"), "inside");
+  const RunId first = measure(named), second = measure(named);
+  const auto joined = join({.runs = {first, second}});
+  ASSERT_TRUE(joined) << joined.error().message;
+  const auto lines_with = [&](RunId run, const std::string& word) {
+    std::istringstream csv(*cell.await(cell->datasets.export_csv({run}, false)));
+    std::vector<std::string> found;
+    for (std::string line; std::getline(csv, line);)
+      if (line.find(word) != std::string::npos) found.push_back(line);
+    return found;
+  };
+  EXPECT_THAT(lines_with(joined->run->id, "# time_zero: "), SizeIs(1));
+  EXPECT_EQ(lines_with(joined->run->id, "# time_zero: "), lines_with(first, "# time_zero: "));
+  EXPECT_THAT(lines_with(joined->run->id, ",inside,"), SizeIs(12));
+  EXPECT_EQ(cell.await(cell->datasets.set_names({joined->run->id}, ""))->size(),
+            static_cast<std::size_t>(joined->run->rows));
 }
 
 TEST_F(JoinedRuns, OfADryRunAreNotStored) {
