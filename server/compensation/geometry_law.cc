@@ -62,6 +62,18 @@ MatrixXd parameter_covariance(const calibration::Geometry& geometry,
   return all;
 }
 
+// Shifts of all parameters of the mechanism by each of the declared errors, side by side.
+MatrixXd shifts_of(const PresentGeometry& present, const std::vector<Index>& free,
+                   Index parameters) {
+  MatrixXd all = MatrixXd::Zero(parameters, static_cast<Index>(present.errors.size()));
+  for (std::size_t e = 0; e < present.errors.size(); ++e) {
+    const auto& shift = present.errors[e].shift;
+    for (std::size_t k = 0; k < shift.size() && k < free.size(); ++k)
+      if (free[k] >= 0) all(free[k], static_cast<Index>(e)) = shift[k];
+  }
+  return all;
+}
+
 VectorXd variances(const MatrixXd& slopes, const MatrixXd& covariance) {
   return (slopes * covariance).cwiseProduct(slopes).rowwise().sum();
 }
@@ -109,15 +121,13 @@ class DirectLaw final : public GeometryLaw {
     }
     if (!slopes) return answer;
     answer.fit = variances(by_parameters, covariance_);
-    answer.systematic.resize(by_parameters.rows(), static_cast<Index>(present.errors.size()));
-    for (std::size_t e = 0; e < present.errors.size(); ++e) {
-      const auto& [source, number, shared_with_zero, shift] = present.errors[e];
-      VectorXd all = VectorXd::Zero(by_parameters.cols());
-      for (std::size_t k = 0; k < shift.size() && k < free_.size(); ++k)
-        if (free_[k] >= 0) all[free_[k]] = shift[k];
-      answer.systematic.col(static_cast<Index>(e)) =
-          (shared_with_zero ? by_parameters : MatrixXd(at.jacobian)) * all;
-    }
+    const MatrixXd shifts = shifts_of(present, free_, by_parameters.cols());
+    answer.systematic.resize(by_parameters.rows(), shifts.cols());
+    for (Index e = 0; e < shifts.cols(); ++e)
+      answer.systematic.col(e) =
+          (present.errors[static_cast<std::size_t>(e)].shared_with_zero ? by_parameters
+                                                                        : MatrixXd(at.jacobian)) *
+          shifts.col(e);
     return answer;
   }
 
@@ -159,6 +169,7 @@ class ArmLaw final : public GeometryLaw {
   ArmLaw(const calibration::Model& model, kinematics::SerialArm arm)
       : arm_(std::move(arm)),
         values_(kinematics::nominal_values(arm_.parameters())),
+        free_(free_places(*model.geometry, arm_.parameters())),
         covariance_(parameter_covariance(*model.geometry, arm_.parameters())) {
     for (std::size_t j = 0; j < arm_.joints(); ++j) motors_.push_back(arm_.inputs()[j]);
     temperatures_.assign(arm_.inputs().begin() + static_cast<std::ptrdiff_t>(arm_.joints()),
@@ -216,7 +227,11 @@ class ArmLaw final : public GeometryLaw {
     result.u = VectorXd::Constant(result.pose.size(), kUnknown);
     if (covariance_.size() > 0)  // of the point; nothing measured the axes
       result.u.head<3>() =
-          (variances(at.by_parameters.topRows<3>(), covariance_) + residual_mm2_).cwiseSqrt();
+          (variances(at.by_parameters.topRows<3>(), covariance_) + residual_mm2_ +
+           (at.by_parameters.topRows<3>() * shifts_of(present, free_, at.by_parameters.cols()))
+               .rowwise()
+               .squaredNorm())
+              .cwiseSqrt();
     return result;
   }
 
@@ -267,6 +282,7 @@ class ArmLaw final : public GeometryLaw {
     for (Index j = 0; j < inverse.rows(); ++j)
       inverse.row(j) /= arm_.rad_per_unit(static_cast<std::size_t>(j));
     answer.fit = variances(inverse * by_parameters, covariance_);
+    answer.systematic = inverse * by_parameters * shifts_of(present, free_, by_parameters.cols());
     answer.residual = inverse.leftCols(3).cwiseAbs2() * residual_mm2_;
     answer.temperatures = VectorXd::Zero(rows);
     for (Index j = 0; j < rows; ++j) {
@@ -283,6 +299,7 @@ class ArmLaw final : public GeometryLaw {
 
   kinematics::SerialArm arm_;
   VectorXd values_;
+  std::vector<Index> free_;
   MatrixXd covariance_;
   Eigen::Vector3d residual_mm2_ = Eigen::Vector3d::Zero();
 };

@@ -72,6 +72,7 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
       if (fitted.channel.symbol == output.channel.symbol)
         made.add_uncertainty(fitted, cell, output);
   }
+  if (made.law_ && made.law_->absolute()) made.add_errors_of_arm(cell);
   made.add_own_scatter(cell);
   if (made.outputs_.empty() || made.outputs_.size() > kMaxOutputs ||
       made.basis_.size() > kMaxBasis ||

@@ -145,6 +145,7 @@ class SnapshotBuilder {
   PresentGeometry present_geometry(const Conditions& conditions) const;
   void add_uncertainty(const calibration::OutputModel& from, const CellDescription& cell,
                        Output& output);
+  void add_errors_of_arm(const CellDescription& cell);
   std::uint32_t number_of(const std::string& error);
   // Of every output, from the residuals of all.
   void add_own_scatter(const CellDescription& cell);

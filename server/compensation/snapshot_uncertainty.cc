@@ -40,6 +40,17 @@ Eigen::VectorXd served(const Eigen::VectorXd& shift, const std::vector<effects::
   return shift(kept);
 }
 
+bool is_of(const DeclaredError& error, const calibration::Influence& influence) {
+  return error.symbol == symbol_of(influence.channel) &&
+         error.by ==
+             (influence.by.find('_') == std::string::npos ? influence.by : symbol_of(influence.by));
+}
+
+// In the units of the influence.
+double size_of(const DeclaredError& error, const calibration::Influence& influence) {
+  return error.u * own_units(influence.channel) * base_units(influence.by);
+}
+
 const calibration::Influence* influence_of(const calibration::OutputModel& output,
                                            const std::string& channel, const std::string& by) {
   const auto found = std::ranges::find_if(
@@ -94,6 +105,21 @@ void SnapshotBuilder::add_parameter_error(const std::string& channel, const std:
   }
 }
 
+// Of an arm the instruments measured the pose, which its parameters give: their errors are in those
+// alone. Every joint has a line of each, without terms.
+void SnapshotBuilder::add_errors_of_arm(const CellDescription& cell) {
+  for (const auto& influence : model_.geometry->influences)
+    for (const auto& error : declared_errors(cell, model_.lineage.measured_by)) {
+      if (!is_of(error, influence)) continue;
+      Systematic one{error.source, Eigen::VectorXd(), error.shared_with_zero};
+      one.number = number_of(error.cause.empty() ? error.symbol + " by " + error.by : error.cause);
+      const std::size_t known = parameter_errors_.size();
+      add_parameter_error(influence.channel, influence.by, size_of(error, influence), one);
+      if (parameter_errors_.size() == known) continue;
+      for (auto& output : outputs_) output.systematics.push_back(one);
+    }
+}
+
 void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
                                       const CellDescription& cell, Output& output) {
   const auto declared = declared_errors(cell, model_.lineage.measured_by);
@@ -107,11 +133,8 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
   for (const auto& influence : from.influences) {
     const std::string symbol = symbol_of(influence.channel);
     for (const auto& error : declared) {
-      if (error.symbol != symbol ||
-          error.by != (influence.by.find('_') == std::string::npos ? influence.by
-                                                                   : symbol_of(influence.by)))
-        continue;
-      const double size = error.u * own_units(influence.channel) * base_units(influence.by);
+      if (!is_of(error, influence)) continue;
+      const double size = size_of(error, influence);
       Systematic one{error.source, served(influence.shift, from.terms) * size,
                      error.shared_with_zero};
       if (const auto* kept = influence_of(from, influence.channel, "zero");

@@ -70,9 +70,18 @@ Derivatives derivatives_of(const Identification& found, const MechanismData& dat
   return out;
 }
 
-// Of every output by one channel, rows x outputs, per unit of its column.
+// Of every output less what was measured of it, by one channel, rows x outputs, per unit of its
+// column.
 Result<Eigen::MatrixXd> slopes_by(const Dataset& dataset, const Identification& found,
                                   const std::string& symbol, const std::vector<Index>& rows) {
+  if (found.mechanism->predicts_pose()) {
+    const auto& outputs = found.mechanism->outputs();
+    Eigen::MatrixXd slopes =
+        Eigen::MatrixXd::Zero(static_cast<Index>(rows.size()), static_cast<Index>(outputs.size()));
+    slopes.col(std::ranges::find(outputs, symbol, &Channel::symbol) - outputs.begin())
+        .setConstant(-1);
+    return slopes;
+  }
   Dataset moved = dataset;
   const auto column = std::ranges::find(
       moved.columns, symbol, [](const DatasetColumn& one) { return one.channel.symbol; });
@@ -91,6 +100,10 @@ Result<Eigen::MatrixXd> slopes_by(const Dataset& dataset, const Identification& 
 
 std::vector<std::string> channels_in_error(const Dataset& dataset, const Identification& found) {
   std::vector<std::string> symbols;
+  if (found.mechanism->predicts_pose()) {
+    for (const auto& output : found.mechanism->outputs()) symbols.push_back(output.symbol);
+    return symbols;
+  }
   for (const auto& input : found.mechanism->inputs()) symbols.push_back(input.symbol);
   const bool by_force = std::ranges::any_of(found.terms, [](const effects::Term& term) {
     return std::ranges::count(effects::symbols_of(term), "force") > 0;
@@ -131,7 +144,6 @@ class Solver {
 Result<std::vector<PoseInfluence>> pose_influences(const Dataset& dataset,
                                                    const Identification& found) {
   std::vector<PoseInfluence> out;
-  if (found.mechanism->predicts_pose()) return out;
   DRIFTWISE_TRY(const auto data, mechanism_data(dataset, *found.mechanism));
   DRIFTWISE_TRY(const auto terms, calibration::raw_columns(dataset, found.terms));
   const Eigen::MatrixXd inputs = data.inputs.transpose();

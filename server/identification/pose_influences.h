@@ -5,6 +5,7 @@
 // q = g(x; p) + terms are offered g(x + h), and to first order parameters and coefficients move
 // together by the least squares of -(dg/dx) h on the identification's own derivatives. The law is
 // that of a regression (server/calibration/report/influence.h), with derivatives in place of terms.
+// Of an arm the pose is what is predicted: with x read wrong by h, the least squares are those of h.
 
 #include <string>
 #include <vector>
@@ -22,8 +23,8 @@ struct PoseInfluence {
   Eigen::MatrixXd coefficients;  // terms x outputs, as in Identification
 };
 
-// dataset: what was identified on. None of a mechanism that gives the pose (an arm). At most about
-// 2000 rows are looked at, evenly spread. Errors: those of predict.
+// dataset: what was identified on. At most about 2000 rows are looked at, evenly spread. Errors:
+// those of predict.
 Result<std::vector<PoseInfluence>> pose_influences(const Dataset& dataset,
                                                    const Identification& identification);
 

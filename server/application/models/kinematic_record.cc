@@ -207,10 +207,6 @@ Result<calibration::Model> model_of(const Dataset& data, const identification::J
     geometry.parameters.push_back({parameter.name, value, standard_error, free, note});
   model.geometry = std::move(geometry);
   DRIFTWISE_RETURN_IF_ERROR(identification::add_pose_influences(data, found, model));
-  if (found.mechanism->predicts_pose())
-    model.warnings.push_back(
-        "targets of an arm have no line of the errors that the instruments declare: their "
-        "uncertainty is that of the parameters and of the held-out rows");
   return model;
 }
 
