@@ -152,13 +152,17 @@ void DataFaults::weigh_rows(const Spread& spread, const std::string& goes_with) 
                         ? spread.sd
                         : Eigen::VectorXd(problem_.row_sd.cwiseProduct(spread.sd));
   problem_.lay_blocks(kMostSearched);
-  const Eigen::VectorXd learned = rows_of(spread.sd, problem_.learn);
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "the noise goes with the %s: %.2g times as large at its largest as at its "
-                "smallest; every row counts by its own",
-                goes_with.c_str(), learned.maxCoeff() / learned.minCoeff());
-  result_.warnings.push_back(text);
+  // Weighed by the same again, as what was found leaves it: said once, of both together.
+  Eigen::VectorXd& together = spreads_[goes_with];
+  together = together.size() == 0 ? spread.sd : Eigen::VectorXd(together.cwiseProduct(spread.sd));
+  const Eigen::VectorXd learned = rows_of(together, problem_.learn);
+  const std::string begin = "the noise goes with the " + goes_with + ": ";
+  std::erase_if(result_.warnings, [&](const std::string& said) { return said.starts_with(begin); });
+  char ratio[32];
+  std::snprintf(ratio, sizeof ratio, "%.2g", learned.maxCoeff() / learned.minCoeff());
+  result_.warnings.push_back(begin + ratio +
+                             " times as large at its largest as at its smallest; every row counts "
+                             "by its own");
 }
 
 bool DataFaults::weighed_first(const Extension& extension, const Look& look) {

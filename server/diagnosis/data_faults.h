@@ -2,6 +2,7 @@
 // Faults of the data and the noise's spread, which no cause of the robot or an instrument is: each
 // becomes a finding or a note, and is taken out of what the search looks at.
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,7 @@ class DataFaults {
   const DiagnoseOptions& options_;
   Problem& problem_;
   Diagnosis& result_;
+  std::map<std::string, Eigen::VectorXd> spreads_;  // by what they go with: of every dataset row
   bool time_weighed_ = false, place_weighed_ = false, tamed_ = false;
 };
 

@@ -300,6 +300,31 @@ Dataset day_and_night(unsigned seed) {
   return data;
 }
 
+// Thirty times as loud at the ends of the axis: one step of weighing takes part of it, and the next
+// one the rest.
+TEST(NoiseThatGoesWithThePlace, IsToldOnceForAllThatWasWeighed) {
+  Dataset data;
+  data.rows = 300;
+  for (const char* symbol : {"q1", "x"}) data.columns.push_back({{symbol, "mm"}, {}});
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double x = -4 + 8 * std::fmod(0.618034 * static_cast<double>(i), 1.0);
+    data.time_s.push_back(20.0 * static_cast<double>(i));
+    data.columns[0].values.push_back(x + 2e-6 * (1 + 30 * x * x / 16) * normal(random));
+    data.columns[1].values.push_back(x);
+  }
+  const auto found = diagnosed(data, "q ~ x");
+  EXPECT_EQ(found.verdict, Verdict::adequate);
+  std::vector<double> ratios;
+  for (const auto& said : found.warnings)
+    if (const std::string begin = "the noise goes with the place: "; said.starts_with(begin))
+      ratios.push_back(std::stod(said.substr(begin.size())));
+  ASSERT_THAT(ratios, testing::SizeIs(1));
+  EXPECT_GT(ratios[0], 5);
+  EXPECT_LT(ratios[0], 31);
+}
+
 TEST(NoiseThatGoesWithTheHour, IsWeighedRowByRowAndNothingIsNamedForIt) {
   const auto found = diagnosed(day_and_night(3), "q ~ poly(x, y, z, 1)");
   EXPECT_THAT(names_in(found), testing::IsEmpty());
