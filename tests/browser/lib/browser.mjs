@@ -6,9 +6,6 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { chromiumPath, ofWeb } from './places.mjs';
 
-const { chromium } = ofWeb('playwright-core');
-const axeText = readFileSync(ofWeb.resolve('axe-core/axe.min.js'), 'utf8');
-
 const flags = [
   '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync',
@@ -29,6 +26,7 @@ export class Browser {
   static async open(origin, { ignoreHTTPSErrors = false } = {}) {
     const browser = new Browser();
     browser.profile = mkdtempSync(join(tmpdir(), 'driftwise-profile-'));
+    const { chromium } = ofWeb('playwright-core'); // here: who imports this file may skip without it
     browser.context = await chromium.launchPersistentContext(browser.profile, { executablePath: chromiumPath, args: flags, acceptDownloads: true, ignoreHTTPSErrors });
     browser.faults = [];
     browser.expected = []; // patterns of console messages that a test brings about itself (a daemon that was killed)
@@ -74,7 +72,7 @@ export const live = (page) => page.getByText('Live', { exact: true }).waitFor();
 
 // What axe finds, as sentences; [] is good.
 export async function axe(page) {
-  await page.evaluate(axeText);
+  await page.evaluate(readFileSync(ofWeb.resolve('axe-core/axe.min.js'), 'utf8'));
   const { violations } = await page.evaluate(() => globalThis.axe.run({ preload: false }));
   return violations.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.target.join(' ')}: ${node.failureSummary.split('\n').slice(1, 3).join(' ')}`));
 }
