@@ -111,8 +111,8 @@ Eigen::VectorXd u_of_pose(const Snapshot& snapshot, const TargetRequest& pose,
   return variance.cwiseSqrt() * (parts.factor / kNmPerMm);
 }
 
-// Standard uncertainties of coordinates whose law gives none: those of the motor coordinates
-// through the inverse of the slopes.
+// Standard uncertainties where the law gives none: those of the motor coordinates through the
+// inverse of the slopes.
 void add_u_by_slopes(const Snapshot& snapshot, TargetRequest pose, ForwardPose& result) {
   constexpr double kStep = 1e-3;  // mm
   const auto size = static_cast<Eigen::Index>(result.coordinates.size());
@@ -179,8 +179,13 @@ Result<ForwardPose> pose_by_law(const Snapshot& snapshot, const ForwardRequest& 
     pose.near |= 1u << (number - 1);
   }
   result.target = compute_target(snapshot, pose);
-  if (result.target.refusal == Refusal::none && !found.u.allFinite() && !snapshot.unjudged)
+  if (result.target.refusal != Refusal::none || snapshot.unjudged) return result;
+  if (found.u.array().isNaN().all()) {
     add_u_by_slopes(snapshot, pose, result);
+  } else {  // an arm's own: joints err together, and nothing measured its axes
+    const double factor = error_parts(snapshot, pose).factor;
+    for (auto& coordinate : result.coordinates) coordinate.u *= factor;
+  }
   return result;
 }
 

@@ -28,12 +28,14 @@ const Eigen::MatrixXd& uncertainty_of(const calibration::OutputModel& output) {
   return output.covariance_serial.size() > 0 ? output.covariance_serial : output.covariance;
 }
 
-// Soft limits of an axis; none: the cell file has no such axis, or no limits of it.
+// Soft limits of an axis; none: the cell file has no such axis (one in mm is no joint of an arm),
+// or no limits of it.
 std::optional<std::pair<double, double>> travel_of(const Channel& channel,
                                                    const CellDescription& cell) {
   for (const auto& device : cell.devices)
     for (const auto& axis : device.axes())
-      if (axis.channel.symbol == channel.symbol && axis.min_mm < axis.max_mm)
+      if (axis.channel.symbol == channel.symbol &&
+          is_angle(axis.channel.unit) == is_angle(channel.unit) && axis.min_mm < axis.max_mm)
         return std::pair(axis.min_mm, axis.max_mm);
   return std::nullopt;
 }
@@ -104,6 +106,15 @@ Result<void> SnapshotBuilder::add_geometry() {
     return not_servable(reasons::kNotAMotorModel,
                         "the model is a robot's geometry: it predicts no motion of another");
   DRIFTWISE_TRY(law_, make_geometry_law(model_));
+  if (law_->absolute())
+    for (const auto& output : model_.outputs)
+      for (const auto& term : output.terms)
+        if (!term.is_constant())
+          return not_servable(reasons::kTermNotServable,
+                              "term " + effects::notation(term) + " of " + output.channel.symbol +
+                                  " stands beside the geometry of an arm, whose targets have the "
+                                  "geometry alone: identify it without --model, or its joints "
+                                  "with --joint-errors");
   for (const Variable variable : law_->needs())
     DRIFTWISE_RETURN_IF_ERROR(add_fast_input(channel_of(variable), range_of(channel_of(variable))));
   for (const auto& channel : law_->temperatures()) slow_.add_channel(channel);

@@ -8,6 +8,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/report/held_out_figure.h"
 #include "server/calibration/report/residual_statistics.h"
+#include "server/core/data/unusable_values.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
@@ -104,6 +105,11 @@ void add_position(Judgement& result, const Eigen::MatrixXd& errors,
 
 Result<Judgement> judge_method(const Dataset& whole, Method method, const MethodOptions& options,
                                const JudgeOptions& judge) {
+  if (const auto usable = without_unusable(whole)) {
+    DRIFTWISE_TRY(auto judged, judge_method(usable->data, method, options, judge));
+    judged.warnings.insert(judged.warnings.begin(), usable->sentence);
+    return judged;
+  }
   Dataset dataset = without_incomplete_rows(whole, symbols_read(options));
   if (options.fit.first_rows > 0)
     for (std::size_t row = static_cast<std::size_t>(options.fit.first_rows); row < dataset.rows;
@@ -121,6 +127,9 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
   const auto calibration = rows_in(dataset, PointSet::calibration);
   const auto validation = validation_rows_known(dataset, calibration);
   Judgement result;
+  if (const std::size_t left_out = whole.rows - dataset.rows; left_out > 0)
+    result.warnings.push_back(std::to_string(left_out) + " of " + std::to_string(whole.rows) +
+                              " rows left out: a channel that is read has no value there");
   if (fitted.kinematics)
     for (const auto& term : fitted.kinematics->undetermined)
       result.warnings.push_back(name_of(method) + ": " + effects::notation(term) +

@@ -1,5 +1,6 @@
 #include "server/identification/identify.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -307,6 +308,12 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
   const LeastSquaresProblem problem{
       [&work](const Eigen::VectorXd& unknown) { return work.residuals(unknown); },
       [&work](const Eigen::VectorXd& unknown) { return work.jacobian(unknown); }};
+  if (work.outputs.size() <= work.unknowns())
+    return fail(ErrorCode::failed_precondition, reasons::kTooFewRows,
+                std::to_string(work.outputs.size()) + " measured values for " +
+                    std::to_string(work.unknowns()) +
+                    " unknowns: any numbers of the robot fit them, and nothing says how well; "
+                    "measure more poses, or hold parameters");
   auto solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));
   if (!solution && solution.error().reason == reasons::kNoConvergence && hold_weak(work, chosen))
     solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));

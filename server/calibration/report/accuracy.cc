@@ -10,6 +10,16 @@ std::vector<JudgedAccuracy> all_of(const Model& model) {
   return all;
 }
 
+// An extension's rows are those of its parent's runs with a correction in them: another hash.
+bool have_same_rows(const Lineage& one, const Lineage& other) {
+  const bool same_data = one.runs.empty()
+                             ? !one.dataset_hash.empty() && one.dataset_hash == other.dataset_hash
+                             : one.runs == other.runs;
+  return same_data && one.exclusions_hash == other.exclusions_hash &&
+         one.rows_calibration == other.rows_calibration &&
+         one.rows_validation == other.rows_validation;
+}
+
 }  // namespace
 
 std::vector<JudgedAccuracy> judged_accuracies(const OutputModel& output, const Lineage& lineage) {
@@ -42,6 +52,7 @@ std::vector<JudgedAccuracy> heading_of(const Model& model) {
 
 std::vector<JudgedAccuracy> heading_of(const Model& model, const Model& before) {
   auto heading = heading_of(model);
+  if (!have_same_rows(model.lineage, before.lineage)) return heading;
   for (auto& one : heading)
     for (const auto& earlier : all_of(before))
       if (earlier.output == one.output && earlier.rows == one.rows && earlier.unit == one.unit)

@@ -16,8 +16,8 @@ std::vector<JudgedAccuracy> judged_accuracies(const OutputModel& output, const L
 // blocks.
 std::vector<JudgedAccuracy> heading_of(const Model& model);
 
-// The heading of a model with what its parent had on the same output and the same rows; without
-// before where the parent has no such figure.
+// The heading of a model with what another had on the same output and the same rows; without
+// before where that has no such figure, or was judged on other data.
 std::vector<JudgedAccuracy> heading_of(const Model& model, const Model& before);
 
 }  // namespace driftwise::calibration

@@ -48,17 +48,30 @@ ArmSearch::ArmSearch(const WhitenedGeometry& whole, const std::vector<Index>& ge
   turns_ -= basis_ * (basis_.transpose() * turns_).eval();
   y_ = whole_.y - basis_ * (basis_.transpose() * whole_.y);
   y_ -= basis_ * (basis_.transpose() * y_).eval();
-  noise_ = std::sqrt(y_.squaredNorm() / static_cast<double>(y_.size() - base.cols()));
-  y_ /= noise_;
-  turns_ /= noise_;
+  weigh_again();
+}
+
+void ArmSearch::weigh_again() {
+  Eigen::VectorXd left = y_;
+  const auto columns = columns_of(in_);
+  if (!in_.empty())
+    left -= turns_(Eigen::all, columns) * scales_of(in_).cwiseProduct(fit(in_, 1).mean);
+  const double noise =
+      std::sqrt(left.squaredNorm() /
+                static_cast<double>(std::ssize(left) - basis_.cols() - std::ssize(columns)));
+  noise_ *= noise;
+  y_ /= noise;
+  turns_ /= noise;
+  gram_ = turns_.transpose() * turns_;
+  along_ = turns_.transpose() * y_;
+  typical_.clear();
   for (std::size_t c = 0; c < causes_.size(); ++c) {
-    const auto whole_turns = whole_.columns.rightCols(turns).middleCols(first(c), width(c));
+    const auto whole_turns = whole_.columns.rightCols(turns_.cols()).middleCols(first(c), width(c));
     const double largest = whole_turns.cwiseAbs().maxCoeff() / noise_;
     typical_.push_back(
         std::max(causes_[c].typical, causes_[c].of_noise / std::max(largest, 1e-300)));
   }
-  gram_ = turns_.transpose() * turns_;
-  along_ = turns_.transpose() * y_;
+  correlated_.clear();
   for (std::size_t c = 0; c < causes_.size(); ++c) correlated_.push_back(correlation_of(c));
 }
 
@@ -248,6 +261,7 @@ void ArmSearch::enter(std::vector<char>& ruled_out) {
       if (const auto second = companion({*best, most.share}, ruled_out)) {
         in_.push_back({*best, most.share});
         in_.push_back(*second);
+        weigh_again();
         continue;
       }
       ruled_out[*best] = 1;
@@ -266,6 +280,7 @@ void ArmSearch::enter(std::vector<char>& ruled_out) {
       in_.erase(in_.begin() + static_cast<std::ptrdiff_t>(i));
       break;
     }
+    weigh_again();
   }
 }
 
@@ -294,6 +309,7 @@ void ArmSearch::search(double alpha) {
     ruled_out[*worst] = 1;
     harmful_.push_back(*worst);
     std::erase_if(in_, [&](const Soft& one) { return one.cause == *worst; });
+    weigh_again();
     enter(ruled_out);
   }
   describe();

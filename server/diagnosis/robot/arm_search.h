@@ -94,6 +94,8 @@ class ArmSearch {
   Eigen::VectorXd scales_of(const std::vector<Soft>& soft) const;
   // rows_per_row: rows that count as one.
   Fit fit(const std::vector<Soft>& soft, double rows_per_row) const;
+  // The noise by what the causes that are in leave: a strong one, once in, is none of it.
+  void weigh_again();
   double correlation_of(std::size_t cause) const;
   // Beside what is named and every certain cause.
   std::vector<Soft> beside(std::size_t cause) const;

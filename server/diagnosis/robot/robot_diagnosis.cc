@@ -8,6 +8,7 @@
 #include "server/diagnosis/answer/cancelled.h"
 #include "server/diagnosis/answer/u90.h"
 #include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/robot/arm_diagnosis.h"
 #include "server/diagnosis/robot/geometry.h"
 #include "server/identification/pose_rows.h"
@@ -86,18 +87,13 @@ Result<identification::Identification> as_drawn(
   return identification::identify(marked_rows(data, problem), options);
 }
 
-}  // namespace
-
-Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
-                                      const std::shared_ptr<const kinematics::Mechanism>& mechanism,
-                                      const DiagnoseOptions& options) {
-  if (const auto usable = without_unusable(dataset))
-    return diagnose_robot(usable->data, mechanism, options);
+// data: rows in which the mechanism's inputs have values.
+Result<RobotDiagnosis> diagnose_rows(const Dataset& data,
+                                     const std::shared_ptr<const kinematics::Mechanism>& mechanism,
+                                     const DiagnoseOptions& options) {
   DiagnoseOptions further = options;
   DRIFTWISE_TRY(auto baseline, checked_baseline(options.baseline, *mechanism));
   further.baseline = std::move(baseline);
-  const Dataset data =
-      identification::without_incomplete_rows(dataset, symbols_of(mechanism->inputs()));
   DRIFTWISE_TRY(const auto problem, lay_out(data, further.baseline,
                                             std::max<std::size_t>(1, data.rows), Judging::apart));
   // What an arm's kinematics predicts cannot be what a cause reads: its simulation starts from the
@@ -158,6 +154,44 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
   KinematicsDescription robot = kinematics::with_values(*with_errors, geometry.extended.values());
   robot.hold.insert(robot.hold.end(), held.begin(), held.end());
   return RobotDiagnosis{std::move(found), std::move(robot)};
+}
+
+auto outliers_in(std::vector<Finding>& findings) {
+  return std::ranges::find(findings, "outliers", &Finding::cause);
+}
+
+}  // namespace
+
+Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
+                                      const std::shared_ptr<const kinematics::Mechanism>& mechanism,
+                                      const DiagnoseOptions& options) {
+  if (const auto usable = without_unusable(dataset))
+    return diagnose_robot(usable->data, mechanism, options);
+  Dataset data = identification::without_incomplete_rows(dataset, symbols_of(mechanism->inputs()));
+  DRIFTWISE_TRY(auto found, diagnose_rows(data, mechanism, options));
+  const auto wrong = outliers_in(found.diagnosis.findings);
+  if (wrong == found.diagnosis.findings.end()) return found;
+  // The robot was identified with the wrong rows in: once more without them.
+  Finding outliers = std::move(*wrong);
+  data.excluded.resize(data.rows);
+  for (const std::size_t row : outliers.rows) data.excluded[row] = 1;
+  DiagnoseOptions again = options;
+  if (options.progress)
+    again.progress = [&](double, const std::string& step) {
+      return options.progress(1, "without the wrong rows: " + step);
+    };
+  DRIFTWISE_TRY(auto rest, diagnose_rows(data, mechanism, again));
+  auto& findings = rest.diagnosis.findings;
+  if (const auto more = outliers_in(findings); more != findings.end()) {
+    outliers.rows.insert(outliers.rows.end(), more->rows.begin(), more->rows.end());
+    std::ranges::sort(outliers.rows);
+    outliers.parameters = {{"count", static_cast<double>(outliers.rows.size()), {}, {}}};
+    outliers.sentence = sentence(outliers);
+    findings.erase(more);
+  }
+  findings.push_back(std::move(outliers));
+  if (rest.diagnosis.verdict == Verdict::adequate) rest.diagnosis.verdict = Verdict::extended;
+  return rest;
 }
 
 }  // namespace driftwise::diagnosis

@@ -253,6 +253,37 @@ TEST(ArmDiagnosis, FindsAJointsZeroThatMovesWhileTheRoomWarmsUp) {
   }
 }
 
+// Sag of millimetres at the tool, and a wheel of 0.1 mm: what the sag explains is no noise.
+TEST(ArmDiagnosis, FindsWhatStandsInTheShadowOfAStrongSag) {
+  int both = 0;
+  for (std::uint64_t seed = 60; seed < 64; ++seed) {
+    const auto found =
+        diagnosed({.shoulder_urad_per_newton_m = 8, .elbow_gear_arcsec = 22}, seed, true);
+    const auto named = joint_names(found.diagnosis);
+    both += std::ranges::count(named, "joint_compliance joint2") == 1 &&
+            std::ranges::count(named, "gear_error joint3") == 1 && named.size() == 2;
+  }
+  EXPECT_EQ(both, 4);
+}
+
+// A tracker that lost its beam for one pose: with that row in, the drawing's numbers go where it
+// is.
+TEST(ArmDiagnosis, IdentifiesTheRobotWithoutTheRowsThatAreWrong) {
+  for (const double wrong_mm : {20.0, 5000.0}) {
+    auto data = campaign({.upper_arm_mm = 0.4}, 31, 1, 150);
+    data.columns[7].values[5] += wrong_mm;
+    const auto found = diagnose_robot(data, *kinematics::make_mechanism(drawing(false)), {});
+    ASSERT_TRUE(found) << found.error().message;
+    const auto outliers = std::ranges::find(found->diagnosis.findings, "outliers", &Finding::cause);
+    ASSERT_NE(outliers, found->diagnosis.findings.end());
+    EXPECT_EQ(outliers->rows, std::vector<std::size_t>{5});
+    EXPECT_NEAR(found->robot.links[1].a_mm, kUpper + 0.4, 0.05) << wrong_mm;
+    for (const auto& figure : found->diagnosis.outputs)
+      EXPECT_LT(figure.a90_validation_after.value_or(HUGE_VAL), 1e5)
+          << "nm: of readings with 0.02 mm of noise, " << wrong_mm;
+  }
+}
+
 TEST(ArmDiagnosis, NamesNothingOfAnArmAsDrawn) {
   int named = 0;
   for (std::uint64_t seed = 200; seed < 208; ++seed)
