@@ -188,10 +188,6 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   read_backup(section("backup"), out.backup);
   read_thinning(section("thinning"), out.thinning);
   read_plausibility(section("plausibility"), out.plausibility);
-  for (const auto* table : top.tables("limit")) {
-    const std::string place = "limit " + std::to_string(out.plausibility.limits.size() + 1);
-    read_limit(TomlReader(*table, place, problem), out.plausibility);
-  }
   if (const auto* kinematics = top.table("kinematics"))
     read_kinematics(*kinematics, out.kinematics.emplace(), problem);
   TakenNames taken;
@@ -223,6 +219,10 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
     read_load(TomlReader(*load, "load", problem), out.load.emplace());
   if (const auto* correction = top.table("correction"))
     read_correction(TomlReader(*correction, "correction", problem), out, problem);
+  for (const auto* table : top.tables("limit")) {
+    const std::string place = "limit " + std::to_string(out.plausibility.limits.size() + 1);
+    read_limit(TomlReader(*table, place, problem), channels_read(out), out.plausibility);
+  }
   read_notify(top, out, problem);
   for (const auto* table : top.tables("certificate")) {
     const std::string place = "certificate " + std::to_string(out.certificates.size() + 1);

@@ -6,12 +6,19 @@
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
-namespace {
 
-std::vector<std::string> channels_that_can_hold(const CellDescription& cell) {
-  std::vector<std::string> names = {HoldRule::kDiskFreeGb};
+std::vector<std::string> channels_read(const CellDescription& cell) {
+  std::vector<std::string> names;
+  for (const auto& channel : cell.length_channels()) names.push_back(channel.name());
+  for (const auto& channel : cell.path_channels()) names.push_back(channel.name());
+  if (const auto force = cell.force_channel()) names.push_back(force->name());
   for (const auto& device : cell.devices) {
     for (const auto& channel : device.channels) names.push_back(channel.name());
+    if (const auto* length = device.length()) {
+      names.insert(names.end(), {length->channel.symbol + "_std_nm", "air_degC", "level_pct"});
+      for (const auto& [key, value] : device.options)
+        if (key.ends_with("_channel") && !value.empty()) names.push_back(value);
+    }
     if (device.role() != DeviceRole::stabiliser) continue;
     const std::string stem = symbol_from_id(device.id);
     names.push_back(stem + "_degC");
@@ -22,7 +29,7 @@ std::vector<std::string> channels_that_can_hold(const CellDescription& cell) {
   return names;
 }
 
-void check_channel(TomlReader& reader, const char* key, const std::string& channel,
+void check_is_read(TomlReader& reader, const char* key, const std::string& channel,
                    const std::vector<std::string>& names) {
   if (channel.empty() || std::ranges::binary_search(names, channel)) return;
   std::string known;
@@ -30,6 +37,8 @@ void check_channel(TomlReader& reader, const char* key, const std::string& chann
   reader.refuse(key, reasons::kNoSuchChannel,
                 "found " + shown(channel) + ", expected a channel of this cell: " + known);
 }
+
+namespace {
 
 void read_limit_of_hold(TomlReader& reader, const char* key, std::optional<double>& value) {
   double number = 0;
@@ -63,12 +72,13 @@ void check_order(TomlReader& reader, const HoldRule& rule) {
 
 void read_hold(TomlReader&& reader, CellDescription& out) {
   HoldRule rule;
-  const auto names = channels_that_can_hold(out);
+  auto names = channels_read(out);
+  names.insert(std::ranges::upper_bound(names, HoldRule::kDiskFreeGb), HoldRule::kDiskFreeGb);
   reader.text("name", rule.name, Need::required);
   reader.text("channel", rule.channel, Need::required);
   reader.text("minus", rule.minus);
-  check_channel(reader, "channel", rule.channel, names);
-  check_channel(reader, "minus", rule.minus, names);
+  check_is_read(reader, "channel", rule.channel, names);
+  check_is_read(reader, "minus", rule.minus, names);
   read_limit_of_hold(reader, "above", rule.above);
   read_limit_of_hold(reader, "below", rule.below);
   read_limit_of_hold(reader, "release_above", rule.release_above);

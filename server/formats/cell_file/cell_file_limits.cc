@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/reasons.h"
+#include "server/formats/cell_file/cell_file_holds.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -33,11 +34,13 @@ void read_plausibility(TomlReader&& reader, PlausibilityRules& out) {
   reader.finish();
 }
 
-void read_limit(TomlReader&& reader, PlausibilityRules& out) {
+void read_limit(TomlReader&& reader, const std::vector<std::string>& channels,
+                PlausibilityRules& out) {
   ChannelLimitDescription limit;
   Channel channel;
   reader.robot_channel("channel", channel, Need::required);
-  limit.channel = channel.name();
+  limit.channel = channel.symbol.empty() ? "" : channel.name();
+  check_is_read(reader, "channel", limit.channel, channels);
   optional_number(reader, "min", limit.min);
   optional_number(reader, "max", limit.max);
   optional_number(reader, "max_step", limit.max_step, {.min = 0, .max = 1e300, .above_min = true});

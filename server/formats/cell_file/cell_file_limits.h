@@ -7,7 +7,9 @@
 namespace driftwise::formats {
 
 void read_plausibility(TomlReader&& reader, PlausibilityRules& out);
-// A channel may be any that a device of the cell gives; two limits of one channel are refused.
-void read_limit(TomlReader&& reader, PlausibilityRules& out);
+// After the devices: a channel may be any that one of them reads; two limits of one channel are
+// refused.
+void read_limit(TomlReader&& reader, const std::vector<std::string>& channels,
+                PlausibilityRules& out);
 
 }  // namespace driftwise::formats

@@ -6,6 +6,7 @@
 
 #include "server/core/records/alarm_kinds.h"
 #include "server/formats/cell_file/cell_file_address.h"
+#include "server/formats/cell_file/cell_file_holds.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -192,23 +193,12 @@ void read_watchdog(TomlReader&& reader, WatchdogRules& out) {
   reader.finish();
 }
 
-bool gives(const CellDescription& cell, const std::string& channel) {
-  const auto among = [&channel](const std::vector<Channel>& channels) {
-    return std::ranges::any_of(channels, [&](const auto& one) { return one.name() == channel; });
-  };
-  return among(cell.length_channels()) ||
-         std::ranges::any_of(cell.devices,
-                             [&](const auto& device) { return among(device.channels); });
-}
-
 void read_channel_alarm(TomlReader&& reader, CellDescription& cell) {
   ChannelAlarmDescription one;
   Channel channel;
   reader.robot_channel("channel", channel, Need::required);
   one.channel = channel.name();
-  if (!one.channel.empty() && !gives(cell, one.channel))
-    reader.refuse("channel", reasons::kBadChannel,
-                  "found " + shown(one.channel) + ", which no device of this cell gives");
+  check_is_read(reader, "channel", one.channel, channels_read(cell));
   double limit = 0;
   reader.number("above", limit);
   if (reader.has("above")) one.above = limit;

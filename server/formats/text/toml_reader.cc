@@ -45,6 +45,16 @@ std::string found_text(const toml::node& node) {
   return plain.empty() ? std::string(type_name(node)) : plain;
 }
 
+// A required key that is not there, and the key that may be a slip in its place.
+std::string missing(const toml::table& table, const char* key,
+                    const std::vector<std::string_view>& known) {
+  std::vector<std::string_view> others;
+  for (const auto& [found, node] : table)
+    if (std::ranges::find(known, found.str()) == known.end()) others.push_back(found.str());
+  const std::string nearest = nearest_word(key, others);
+  return "found " + (nearest.empty() ? "nothing" : shown(nearest)) + ", expected this key";
+}
+
 }  // namespace
 
 void TomlProblem::add(ErrorCode code, const std::string& reason, const toml::source_region& where,
@@ -69,7 +79,7 @@ const toml::node* TomlReader::find(const char* key, Need need) {
   known_.emplace_back(key);
   const toml::node* node = table_.get(key);
   if (!node && need == Need::required)
-    refuse(key, reasons::kMissingKey, "found nothing, expected this key");
+    refuse(key, reasons::kMissingKey, missing(table_, key, known_));
   return node;
 }
 
@@ -105,7 +115,7 @@ void TomlReader::choice(const char* key, std::string& value,
   std::string list;
   for (const auto word : allowed) list += (list.empty() ? "" : ", ") + std::string(word);
   if (!node)
-    return refuse(key, reasons::kMissingKey, "found nothing, expected this key, one of " + list);
+    return refuse(key, reasons::kMissingKey, missing(table_, key, known_) + ", one of " + list);
   const auto found = node->value<std::string_view>();
   if (found && std::ranges::find(allowed, *found) != allowed.end()) {
     value = *found;

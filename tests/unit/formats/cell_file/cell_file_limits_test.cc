@@ -50,6 +50,17 @@ frozen_answers = 4
   EXPECT_EQ(rules.limits[0].frozen_answers, 4);
 }
 
+TEST(CellFileLimits, MayBeOfWhatAnInterferometerTellsBeside) {
+  for (const char* channel : {"air_degC", "level_pct", "x_std_nm"})
+    for (const std::string table : {"limit", "channel_alarm"}) {
+      const auto cell =
+          parse_cell_file(kFront + "[[" + table + "]]\nchannel = \"" + channel + "\"\n" +
+                              (table == "limit" ? "max" : "above") + " = 30\n",
+                          "cell.toml", drivers::all_devices());
+      EXPECT_TRUE(cell) << cell.error().message;
+    }
+}
+
 TEST(CellFileLimits, OfReturnsToZeroAreRead) {
   const auto cell = parse_cell_file(kFront + R"([closure]
 unexplained = "repeat"
@@ -92,6 +103,12 @@ TEST(CellFileLimits, AreRefusedWithTheirPlace) {
   EXPECT_NE(refused("[[closure_limit]]\nchannel = \"t07_degC\"\nlimit_nm = 1\n").find("x_mm"),
             std::string::npos);
   EXPECT_NE(refused("[[limit]]\nmax = 1\n").find("MISSING_KEY"), std::string::npos);
+  EXPECT_NE(
+      refused("[[limit]]\nchanel = \"x_mm\"\n").find("channel: found 'chanel', expected this key"),
+      std::string::npos);
+  EXPECT_NE(refused("[[limit]]\nchannel = \"xx_mm\"\nmax = 2\n").find("NO_SUCH_CHANNEL"),
+            std::string::npos)
+      << "a limit of a channel that nothing reads guards nothing";
   EXPECT_NE(refused("[[limit]]\nchannel = \"x_mm\"\nmin = 2\nmax = 1\n").find("BAD_LIMITS"),
             std::string::npos);
   EXPECT_NE(refused("[[limit]]\nchannel = \"x_mm\"\n[[limit]]\nchannel = \"x_mm\"\n")

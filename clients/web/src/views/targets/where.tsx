@@ -48,10 +48,10 @@ function PoseTable({ coordinates }: { coordinates: readonly EstimatedCoordinate[
       columns={[
         { title: 'pose', of: (one) => splitChannel(one.channel).symbol },
         { title: 'simulated', number: true, of: (one) => placeText(one, one.value) },
-        { title: 'U (k = 2)', number: true, of: (one) => distanceText(one, 2 * one.u, fixed) },
+        { title: 'U (k = 2)', number: true, of: (one) => (Number.isFinite(one.u) ? distanceText(one, 2 * one.u, fixed) : '–') },
         { title: 'measured', number: true, of: (one) => (one.measured === undefined ? '–' : placeText(one, one.measured)) },
         { title: 'discrepancy', number: true, of: (one) => (one.discrepancy === undefined ? '–' : distanceText(one, one.discrepancy, signed)) },
-        { title: 'verdict', of: (one) => one.measured !== undefined && <Verdict kind={one.agrees ? 'good' : 'warn'}>{one.agrees ? 'within U' : 'beyond U'}</Verdict> },
+        { title: 'verdict', of: (one) => one.measured !== undefined && Number.isFinite(one.u) && <Verdict kind={one.agrees ? 'good' : 'warn'}>{one.agrees ? 'within U' : 'beyond U'}</Verdict> },
       ]}
     />
   );
