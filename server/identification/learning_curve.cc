@@ -187,8 +187,12 @@ Result<LearningCurve> learning_curve(const Dataset& whole, const CurveOptions& o
       curve.enough = point.rows;
       break;
     }
-  if (curve.points.size() >= 3) {
-    const auto& before = curve.points[curve.points.size() - 3];
+  // At the curve's end, whatever sizes were asked for: from half of the rows on.
+  const auto from_half =
+      std::ranges::find_if(curve.points.rbegin(), curve.points.rend(),
+                           [&](const CurvePoint& point) { return 2 * point.rows <= last.rows; });
+  if (from_half != curve.points.rend()) {
+    const auto& before = *from_half;
     if (before.random && last.random && before.rows < last.rows) {
       const double slope =
           std::log(last.random->a90 / before.random->a90) /

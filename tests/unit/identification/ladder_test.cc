@@ -167,6 +167,10 @@ TEST(LearningCurve, FallsToTheNoiseAndSaysHowManyPointsSuffice) {
   EXPECT_NEAR(last.spread->a90, 1.645 * 20e-6, 2e-6);
   EXPECT_LT(curve->enough, curve->rows);
   EXPECT_LT(curve->gain_of_doubling, 0.1);
+  // Three sizes begin at twice the terms, where anything falls steeply: that is not the end.
+  auto few = curve_of(data, "q1 ~ poly(x, y, 3) + t04");
+  few.sizes = 3;
+  EXPECT_LT(learning_curve(data, few)->gain_of_doubling, 0.1);
 }
 
 TEST(LearningCurve, SpreadRowsReachTheCornersFirst) {
