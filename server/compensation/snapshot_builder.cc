@@ -109,7 +109,7 @@ Result<void> SnapshotBuilder::add_geometry() {
   if (law_->absolute())
     for (const auto& output : model_.outputs)
       for (const auto& term : output.terms)
-        if (!term.is_constant())
+        if (!term.is_constant() && !effects::datum_of(term))
           return not_servable(reasons::kTermNotServable,
                               "term " + effects::notation(term) + " of " + output.channel.symbol +
                                   " stands beside the geometry of an arm, whose targets have the "

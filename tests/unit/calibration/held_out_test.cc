@@ -109,10 +109,12 @@ TEST(HeldOut, RowsGiveTheFigures) {
 // A shift of all validation rows is in A90 and in the mean, and not in S90.
 TEST(HeldOut, ValidationRowsThatAreShiftedWidenA90) {
   Dataset data = make_campaign({});
-  const auto before = formats::fit_formula(data, kHeldOutFormula, {});
+  FitOptions options;
+  options.lineage.runs = {RunId{1}};
+  const auto before = formats::fit_formula(data, kHeldOutFormula, options);
   for (std::size_t i = 0; i < data.rows; ++i)
     if (data.set[i] == PointSet::validation) data.columns[0].values[i] += 25e-6;
-  const auto after = formats::fit_formula(data, kHeldOutFormula, {});
+  const auto after = formats::fit_formula(data, kHeldOutFormula, options);
   ASSERT_TRUE(before.has_value() && after.has_value());
   const auto &a = before->outputs[0].accuracy, &b = after->outputs[0].accuracy;
   EXPECT_NEAR(*b.mean_validation - *a.mean_validation, 25e-6, 1e-12);

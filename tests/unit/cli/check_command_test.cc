@@ -122,6 +122,34 @@ TEST_F(CheckCommand, AFitOfARunTakesWhatAFitOfAFileTakes) {
   EXPECT_EQ(run({"fit", "--run", "1", "--model", "q1 ~ x", "--exclude-rows", "3"}).exit, 2);
 }
 
+// Of a fit without blocks of time.
+TEST_F(CheckCommand, ShowsOnlyTheHeldOutRowsThatAnOfferHas) {
+  cell.on_executor([this] {
+    calibration::OfferResult offer;
+    offer.name = "cross terms";
+    offer.output = "q1";
+    offer.taken = {effects::Term{{effects::Power{"x", 2}}}};
+    offer.a90_validation_before = 12e-6;
+    offer.a90_validation_after = 10e-6;
+    models.offers = {offer};
+  });
+  const auto said = run({"fit", "--run", "1", "--model", "q1 ~ x", "--offers"});
+  EXPECT_THAT(said.out, HasSubstr("stepwise takes x^2: -2.00 nm on the validation rows\n"));
+}
+
+// The fake answers with the model "first", as the daemon does where that has the same content.
+TEST_F(CheckCommand, SaysThatAModelWasStoredBeforeUnderAnotherName) {
+  const std::vector<std::string> fit = {"fit", "--run", "1", "--model", "q1 ~ x", "--name"};
+  auto first = fit, second = fit;
+  first.emplace_back("first");
+  EXPECT_THAT(run(first).out, HasSubstr("stored as model 2\n"));
+  second.insert(second.end(), {"second", "--note", "warm"});
+  EXPECT_THAT(run(second).out,
+              testing::AllOf(HasSubstr("was stored before as model 3, named 'first': not taken the "
+                                       "name 'second' and the note\n"),
+                             testing::Not(HasSubstr("stored as model"))));
+}
+
 TEST_F(CheckCommand, ShowsWhatOffersWouldAddOfARunToo) {
   cell.on_executor([this] {
     calibration::OfferResult offer;

@@ -76,7 +76,7 @@ TEST_F(LivePictureTest, ValuesOfAnotherLayoutAreNotShown) {
 
 TEST_F(LivePictureTest, ALostDaemonIsSaidAboveEverything) {
   EXPECT_THAT(screen(100, 40, "cannot reach the daemon"),
-              testing::AllOf(HasSubstr("■ not live since 2023-11-14 22:13:20"),
+              testing::AllOf(HasSubstr("■ not live since 2023-11-14 22:13:20 UTC"),
                              HasSubstr("cannot reach the daemon"), Not(HasSubstr("● live"))));
 }
 

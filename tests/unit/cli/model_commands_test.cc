@@ -162,7 +162,8 @@ TEST_F(ModelCommandsTest, APromotionOfAModelOfAnImportedRunAsks) {
   EXPECT_THAT(page.out, HasSubstr("cell file   none: not fitted from a run of this cell\n"));
   EXPECT_THAT(page.out, testing::Not(HasSubstr("Instruments, as declared")));
   EXPECT_THAT(run({"run", "show", "1"}).out,
-              HasSubstr("cell file     none: its rows are a file's, imported\n"));
+              testing::AllOf(HasSubstr("cell file     none: its rows are a file's, imported\n"),
+                             HasSubstr("trajectory    3 rows\n")));
   const auto nobody = run({"model", "promote", "2"});
   EXPECT_EQ(nobody.exit, 2);
   EXPECT_THAT(nobody.err, HasSubstr("this cell did not measure run 1 'messung.csv'"));

@@ -206,6 +206,24 @@ TEST_F(RunCommandsTest, PutsEveryValueOfAPointUnderItsOwnHeader) {
   EXPECT_THAT(two, testing::EndsWith("2.250000  2.500000         -   21.7500"));
 }
 
+TEST_F(RunCommandsTest, SaysThatNoRunMatches) {
+  EXPECT_THAT(run({"run", "list"}).out, HasSubstr("no runs yet"));
+  cell.add_run();
+  EXPECT_EQ(run({"run", "list", "--meta", "nothing=there"}).out,
+            "no run matches --meta nothing=there: driftwise run list shows all\n");
+}
+
+TEST_F(RunCommandsTest, KeptTrajectoriesHaveTheirTimesInUtc) {
+  EXPECT_THAT(run({"trajectory", "upload", trajectory()}).out,
+              testing::ContainsRegex("kept by ada [0-9]+-[0-9-]+ [0-9:]+ UTC\n"));
+  EXPECT_THAT(run({"trajectory", "list"}).out, HasSubstr("kept (UTC)"));
+}
+
+TEST_F(RunCommandsTest, EventsHaveTheirTimesInUtc) {
+  ASSERT_EQ(run({"lease", "take", "--hold", "120"}).exit, 0);
+  EXPECT_THAT(run({"events"}).out, testing::ContainsRegex(":[0-9][0-9] UTC  lease.taken"));
+}
+
 TEST_F(RunCommandsTest, ExportsToAFileInOnePiece) {
   ASSERT_EQ(run({"data", "import", file("in.csv", "time_s,q1_mm,x_mm\n0,0,0\n")}).exit, 0);
   const std::string text = run({"data", "export", "1"}).out;

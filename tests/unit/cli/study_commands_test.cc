@@ -1,6 +1,7 @@
 // Of runs at the daemon: methods side by side, the choice of thermometers, a formula before a fit,
 // residuals, the correction over a plane. And a second file that validates.
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include <thread>
@@ -92,6 +93,30 @@ TEST_F(StudyCommandsTest, SaysWhatIsMissingOrTooMuch) {
 TEST_F(StudyCommandsTest, TheThreadsOfAFitAreAskedFor) {
   EXPECT_EQ(run({"fit", "--run", "3", "--model", "q ~ x", "--threads", "3"}).exit, 0);
   EXPECT_EQ(cell.on_executor([&] { return models.last_fit.threads; }), 3);
+}
+
+// Held-out A90 of random points: 23.8 nm with 6, 21.9 nm with 9, 22.2 nm with 14.
+TEST_F(StudyCommandsTest, NoGainIsForecastWhereTheLearningCurveDoesNotFall) {
+  std::string data = "q1_mm,x_mm\n";
+  for (int i = 0; i < 30; ++i) {
+    const double x = 0.05 * (i * 7 % 30), noise = 4e-7 * ((i * i * 38 + i * 29) % 101 - 50);
+    data += fmt::format("{:.9f},{:.4f}\n", x + noise, x);
+  }
+  const std::vector<std::string> points = {"model",
+                                           "points",
+                                           file("rows.csv", data),
+                                           "--model",
+                                           "q ~ x + x^2",
+                                           "--sizes",
+                                           "3",
+                                           "--draws",
+                                           "2",
+                                           "--folds",
+                                           "3"};
+  EXPECT_THAT(run(points).out, HasSubstr("the curve does not fall at its end"));
+  const auto curve = json(points);
+  EXPECT_EQ(curve["gain_of_doubling"], 0);
+  EXPECT_GT(curve["points"][2]["random"]["a90_nm"], curve["points"][1]["random"]["a90_nm"]);
 }
 
 TEST_F(StudyCommandsTest, AFormulaIsCheckedBeforeItIsFitted) {

@@ -23,6 +23,9 @@ TEST_F(CliTest, UsageErrorsExitWith2) {
            {"target", "x=nan"},
            {"target", "x_um=5"},
            {"target", "t07=20"},
+           {"target", "x=1", "x_mm=2"},
+           {"simulate", "q1_deg=10", "q1_deg=20"},
+           {"simulate", "q1_deg=10", "q1_rad=0.2"},
            {"data", "export"},
            {"data", "export", "-3"},
            {"fit", "--run", "3"},
@@ -102,6 +105,8 @@ TEST_F(CliTest, AMistakeIsToldWithWhatWasFoundAndTheCommandsOwnHelp) {
             "compare, "
             "points, "
             "attempts, datums (driftwise run --help shows the way)"},
+        Row{{"fit", "--model", "q ~ x"}, "found neither a file nor --run; give one"},
+        Row{{"simulate", "q1=1", "q1=2"}, "found 'q1=1' and 'q1=2', expected q1 once"},
         Row{{"run", "show"}, "RUN is required (driftwise run show --help shows the way)"},
         Row{{"run", "show", "three"}, "RUN: found 'three', expected a number"},
         Row{{"events", "--after", "-1"}, "--after: found '-1', expected a number from 0 up"},

@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
         RobotFileMistake{"Kind", kDelta, "\"delta-vertical\"", "\"hexapod\"", "UNKNOWN_KIND",
                          "robot.toml:2: kinematics: kind: found 'hexapod'"},
         RobotFileMistake{"Key", kDelta, "radius_mm = 30.5", "radius = 30.5", "MISSING_KEY",
-                         "kinematics, branch 2: radius_mm: found nothing"},
+                         "kinematics, branch 2: radius_mm: found 'radius', expected this key"},
         RobotFileMistake{"ExtraKey", kDelta, "offset_mm", "ofset_mm", "UNKNOWN_KEY",
                          "did you mean offset_mm?"},
         RobotFileMistake{"Negative", kDelta, "length_mm = 50", "length_mm = -50", "OUT_OF_RANGE",

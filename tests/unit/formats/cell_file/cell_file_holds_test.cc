@@ -83,7 +83,7 @@ above = 0.5
 TEST(CellFileHolds, ThatMakeNoSenseAreRefusedWithTheLine) {
   EXPECT_THAT(refusal("[[hold]]\nname = \"a\"\nchannel = \"t99_degC\"\nabove = 1\n"),
               testing::AllOf(HasSubstr("cell.toml"), HasSubstr("t99_degC"),
-                             HasSubstr("expected a channel of this cell: disk_free_GB")));
+                             HasSubstr("expected a channel of this cell: air_degC, disk_free_GB")));
   EXPECT_THAT(refusal("[[hold]]\nname = \"a\"\nchannel = \"support_degC\"\n"),
               HasSubstr("neither above nor below"));
   EXPECT_THAT(refusal("[[hold]]\nname = \"a\"\nchannel = \"support_degC\"\nabove = 1\nbelow = 2\n"),

@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadNotify{"both_limits", "[[channel_alarm]]\nchannel = \"x_mm\"\nabove = 1\nbelow = 0\n",
                   "BAD_LIMITS"},
         BadNotify{"no_such_channel", "[[channel_alarm]]\nchannel = \"t99_degC\"\nabove = 1\n",
-                  "BAD_CHANNEL"}),
+                  "NO_SUCH_CHANNEL"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(CellFileNotify, NamesTheKindThatWasMeant) {
