@@ -262,7 +262,7 @@ class ArmLaw final : public GeometryLaw {
                     motors_[j].name() +
                         " was not read, so which of the arm's solutions is nearest is not known: "
                         "state the angle to be near to (driftwise target ... --near " +
-                        motors_[j].symbol + "=...)");
+                        motors_[j].name() + "=...)");
     }
     return near;
   }

@@ -1,5 +1,6 @@
 #include "clients/cli/core/assignment.h"
 
+#include <map>
 #include <optional>
 
 #include "clients/cli/core/console.h"
@@ -56,7 +57,15 @@ v1::ChannelValue assignment_from(const std::string& text) {
 google::protobuf::RepeatedPtrField<v1::ChannelValue> assignments_from(
     const std::vector<std::string>& texts) {
   google::protobuf::RepeatedPtrField<v1::ChannelValue> out;
-  for (const auto& text : texts) *out.Add() = assignment_from(text);
+  std::map<std::string, std::string> given;  // texts by symbol: q1_deg and q1_rad are one
+  for (const auto& text : texts) {
+    auto& added = *out.Add() = assignment_from(text);
+    const auto symbol = added.channel().substr(0, added.channel().rfind('_'));
+    const auto [at, first] = given.emplace(symbol, text);
+    if (!first)
+      throw Failure{ExitCode::usage, "invalid_argument", "BAD_ASSIGNMENT",
+                    "found '" + at->second + "' and '" + text + "', expected " + symbol + " once"};
+  }
   return out;
 }
 

@@ -13,6 +13,7 @@ namespace driftwise::cli {
 // "x=1.5", "x_mm=1.5", "x=1.5mm", "q1=0.25", "ry=12", "force=0.3": lengths in mm, rotations in
 // arcsec, force in N. Throws Failure (usage) naming the text and what was expected.
 v1::ChannelValue assignment_from(const std::string& text);
+// Several assignments. Throws Failure (usage) also where one coordinate is given twice.
 google::protobuf::RepeatedPtrField<v1::ChannelValue> assignments_from(
     const std::vector<std::string>& texts);
 

@@ -49,6 +49,8 @@ std::string clock_text(const google::protobuf::Timestamp& time) {
   return text;
 }
 
+std::string utc_text(const google::protobuf::Timestamp& time) { return clock_text(time) + " UTC"; }
+
 double seconds_of(const google::protobuf::Duration& duration) {
   return static_cast<double>(duration.seconds()) + duration.nanos() * 1e-9;
 }

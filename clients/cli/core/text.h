@@ -14,6 +14,7 @@ std::string significant(double value, int digits);     // "1.234e-05" where that
 std::string signed_fixed(double value, int decimals);  // "+12.3"
 
 std::string clock_text(const google::protobuf::Timestamp& time);  // "2026-11-21 08:04:59"
+std::string utc_text(const google::protobuf::Timestamp& time);    // "2026-11-21 08:04:59 UTC"
 std::string iso_text(const google::protobuf::Timestamp& time);  // "2026-11-21T08:04:59.123456789Z"
 double seconds_of(const google::protobuf::Duration& duration);
 double seconds_between(const google::protobuf::Timestamp& from,

@@ -93,11 +93,10 @@ std::vector<std::string> LivePicture::unknown() const {
 std::vector<std::string> LivePicture::head(const Paint& paint, std::size_t width,
                                            const std::string& trouble) const {
   std::vector<std::string> lines;
-  const std::string clock = clock_text(cell_time_);
-  lines.push_back(trouble.empty() ? paint.bold(cut(cell_.cell_name(), width / 2)) + "  " +
-                                        paint.good("● live") + "  " + clock
-                                  : paint.bold(cut(cell_.cell_name(), width / 2)) + "  " +
-                                        paint.bad("■ not live") + " since " + clock);
+  const std::string clock = utc_text(cell_time_);
+  const std::string name = paint.bold(cut(cell_.cell_name(), width / 3)) + "  ";
+  lines.push_back(trouble.empty() ? name + paint.good("● live") + "  " + clock
+                                  : name + paint.bad("■ not live") + " since " + clock);
   if (!trouble.empty()) lines.push_back(cut(trouble, width));
   if (run_known_ && !is_over(progress_.run().state()))
     lines.push_back(progress_line(progress_, std::nan(""), static_cast<int>(width)));
@@ -160,7 +159,7 @@ std::string LivePicture::screen(const Paint& paint, std::size_t width, std::size
 }
 
 std::string LivePicture::line() const {
-  std::string text = clock_text(cell_time_) + "  ";
+  std::string text = utc_text(cell_time_) + "  ";
   text += run_known_ && !is_over(progress_.run().state())
               ? progress_line(progress_, std::nan(""), 120)
               : "no run under way";

@@ -69,7 +69,14 @@ std::string compensation_text(const v1::Run& run) {
              : "compensated with the model that served";
 }
 
-void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
+void print_runs(const Console& console, const std::vector<v1::Run>& runs,
+                const std::vector<std::string>& wanted) {
+  if (runs.empty() && !wanted.empty()) {
+    console.out << "no run matches";
+    for (const auto& one : wanted) console.out << " --meta " << one;
+    console.out << ": driftwise run list shows all\n";
+    return;
+  }
   if (runs.empty()) {
     console.out << "no runs yet: driftwise run start TRAJECTORY.csv\n";
     return;
@@ -123,7 +130,8 @@ void print_run(const Console& console, const v1::Run& run) {
   line("run", std::to_string(run.id()) + "  " + run.name());
   line("state", painted_state(paint, run.state()) +
                     (run.reason().empty() ? "" : "  (" + run.reason() + ")"));
-  line("trajectory", run.trajectory_name() + ", " + std::to_string(run.row_count()) + " rows");
+  line("trajectory", run.trajectory_name() + (run.trajectory_name().empty() ? "" : ", ") +
+                         std::to_string(run.row_count()) + " rows");
   if (!run.setup().empty()) line("set-up", run.setup());
   line("compensation", compensation_text(run));
   line("points", std::to_string(run.accepted_count()) + " accepted, " +

@@ -15,7 +15,9 @@ bool is_over(v1::Run::State state);
 // "uncompensated", "compensated with model 3".
 std::string compensation_text(const v1::Run& run);
 
-void print_runs(const Console& console, const std::vector<v1::Run>& runs);
+// wanted: "key=value" that the runs were chosen by.
+void print_runs(const Console& console, const std::vector<v1::Run>& runs,
+                const std::vector<std::string>& wanted = {});
 void print_run(const Console& console, const v1::Run& run);
 // Of a run under way: what is ahead, and when it ends.
 void print_ahead(const Console& console,

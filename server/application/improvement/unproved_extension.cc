@@ -50,7 +50,7 @@ Result<std::string> end_interrupted_improvement(Store& store, const Stamp& now) 
   }
   DRIFTWISE_RETURN_IF_ERROR(
       store.improvements().end_improvement(improvement.id, JobState::failed, reason, now.utc));
-  return fmt::format("improvement {} is failed: {}", improvement.id.value, reason);
+  return fmt::format("improvement {} failed: {}", improvement.id.value, reason);
 }
 
 }  // namespace driftwise::application

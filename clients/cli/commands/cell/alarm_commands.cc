@@ -42,11 +42,11 @@ std::string priority_word(v1::Alarm::Priority priority) {
 
 std::string standing_of(const v1::Alarm& alarm) {
   if (alarm.has_shelved_until_time())
-    return "shelved by " + alarm.shelved_by() + " until " + clock_text(alarm.shelved_until_time()) +
+    return "shelved by " + alarm.shelved_by() + " until " + utc_text(alarm.shelved_until_time()) +
            ": " + alarm.shelve_reason();
   const std::string seen =
       alarm.has_acknowledge_time() ? "seen by " + alarm.acknowledged_by() : "not acknowledged";
-  return (alarm.has_cleared_time() ? "over since " + clock_text(alarm.cleared_time()).substr(11)
+  return (alarm.has_cleared_time() ? "over since " + utc_text(alarm.cleared_time()).substr(11)
                                    : "holds") +
          ", " + seen;
 }
@@ -62,7 +62,7 @@ ExitCode list_alarms(const Session& session, bool all) {
   const Paint paint = session.console.paint_out();
   for (const auto& alarm : response.alarms()) {
     session.console.out << alarm.id() << "  " << level_word(paint, alarm.level()) << "  "
-                        << priority_word(alarm.priority()) << "  " << clock_text(alarm.since_time())
+                        << priority_word(alarm.priority()) << "  " << utc_text(alarm.since_time())
                         << "  " << alarm.kind() << "  " << standing_of(alarm) << "\n    "
                         << alarm.message() << '\n';
     for (const auto& one : alarm.consequences())
@@ -159,8 +159,8 @@ ExitCode list_receivers(const Session& session, int limit) {
     out << "nobody outside this machine is told: the cell file has no [[notify]]\n";
   for (const auto& one : response.receivers()) {
     out << one.name() << "  " << one.way() << "  "
-        << (one.has_failing_time()   ? paint.bad("failing since " + clock_text(one.failing_time()))
-            : one.has_deliver_time() ? "last message " + clock_text(one.deliver_time())
+        << (one.has_failing_time()   ? paint.bad("failing since " + utc_text(one.failing_time()))
+            : one.has_deliver_time() ? "last message " + utc_text(one.deliver_time())
                                      : std::string("no message yet"));
     if (one.waiting_count() > 0) out << ", " << one.waiting_count() << " waiting";
     out << (one.answer().empty() ? "" : "\n    " + one.answer()) << '\n';

@@ -40,12 +40,12 @@ std::string limits_of(const v1::Hold& hold) {
 
 std::string standing_of(const Paint& paint, const v1::Hold& hold) {
   if (hold.has_aside_until_time())
-    return paint.warn("set aside") + " until " + clock_text(hold.aside_until_time()) + " by " +
+    return paint.warn("set aside") + " until " + utc_text(hold.aside_until_time()) + " by " +
            hold.aside_by() + ": " + hold.aside_reason();
   switch (hold.phase()) {
     case v1::Hold::PHASE_HOLDING:
-      return paint.bad("holds") + " since " + clock_text(hold.begin_time()) + ": " +
-             hold.sentence() + "; now " + hold.outlook();
+      return paint.bad("holds") + " since " + utc_text(hold.begin_time()) + ": " + hold.sentence() +
+             "; now " + hold.outlook();
     case v1::Hold::PHASE_EXCEEDED:
       return paint.warn("exceeded") + ": " + hold.outlook();
     default:

@@ -60,7 +60,7 @@ void print_status(const Console& console, const v1::GetStatusResponse& status,
   console.out << "lease    "
               << (status.has_lease()
                       ? status.lease().holder() + " (" + status.lease().peer() + ") until " +
-                            clock_text(status.lease().end_time()).substr(11)
+                            utc_text(status.lease().end_time()).substr(11)
                       : lease_without_holder(status))
               << '\n';
   console.out << "run      "
@@ -118,7 +118,7 @@ void print_devices(const Console& console, const v1::ListDevicesResponse& respon
 
 std::string event_line(const v1::Event& event) {
   std::string line =
-      std::to_string(event.id()) + "  " + clock_text(event.event_time()) + "  " + event.what();
+      std::to_string(event.id()) + "  " + utc_text(event.event_time()) + "  " + event.what();
   if (event.has_run_id()) line += "  run " + std::to_string(event.run_id());
   line += "  " + event.who();
   if (!event.detail().empty()) line += ": " + event.detail();
@@ -168,7 +168,7 @@ ExitCode follow_readings(const Session& session, const std::string& device) {
         if (response.missed_count() > 0)
           session.console.err << response.missed_count()
                               << " readings missed here; the record has them\n";
-        session.console.out << clock_text(response.reading().end_time()) << "  "
+        session.console.out << utc_text(response.reading().end_time()) << "  "
                             << response.reading().device_id();
         for (const auto& value : response.reading().values())
           session.console.out << "  " << value.channel() << "="

@@ -42,7 +42,7 @@ ExitCode list_configurations(const Session& session) {
                start.version(), std::to_string(start.changes_size()),
                !start.asks() ? "not needed"
                : start.has_accept_time()
-                   ? "accepted " + clock_text(start.accept_time()) + " by " + start.accepted_by()
+                   ? "accepted " + utc_text(start.accept_time()) + " by " + start.accepted_by()
                    : "open"});
   if (table.empty())
     session.console.out << "no start is on record\n";

@@ -89,7 +89,7 @@ void print_finding(const Console& console, const v1::Finding& finding) {
 
 void print_extension(const Console& console, const v1::Extension& extension) {
   console.out << "\naccepted by " << extension.accepted_by() << " at "
-              << clock_text(extension.accept_time()) << ": findings";
+              << utc_text(extension.accept_time()) << ": findings";
   for (const int number : extension.finding_numbers()) console.out << ' ' << number;
   if (extension.has_model_id())
     console.out << ", model " << extension.model_id()
@@ -98,7 +98,7 @@ void print_extension(const Console& console, const v1::Extension& extension) {
   for (const auto& rows : extension.excluded())
     console.out << ", rows " << rows.first_row() << "-" << rows.last_row() << " of run "
                 << rows.run_id() << " kept out";
-  if (extension.has_undo_time()) console.out << "\nundone at " << clock_text(extension.undo_time());
+  if (extension.has_undo_time()) console.out << "\nundone at " << utc_text(extension.undo_time());
   console.out << '\n';
 }
 

@@ -112,7 +112,8 @@ void follow_improvement(const Session& session, const Connection& connection, st
     cancel.set_improvement_id(id);
     const auto ended =
         connection.uninterrupted().ask(&ImproveStub::CancelImprovement, cancel).improvement();
-    failure.message = "interrupted: improvement " + std::to_string(id) + " is " +
+    failure.message = "interrupted: improvement " + std::to_string(id) +
+                      (ended.state() == v1::Improvement::STATE_FAILED ? " " : " is ") +
                       state_text_of(ended.state()) + ": " + ended.reason() + "; its runs stay";
     throw;
   }

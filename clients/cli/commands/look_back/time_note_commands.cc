@@ -20,7 +20,7 @@ struct TimeNoteArguments {
 std::string line_of(const v1::TimeNote& note) {
   return clock_text(note.note_time()) + " UTC" +
          (note.channel().empty() ? "" : ", " + note.channel()) + ": " + note.text() + "  (" +
-         note.who() + ", written " + clock_text(note.create_time()) + ")";
+         note.who() + ", written " + utc_text(note.create_time()) + ")";
 }
 
 ExitCode pin(const Session& session, const TimeNoteArguments& a) {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 
@@ -12,6 +10,7 @@
 #include "clients/cli/commands/models/validation_file.h"
 #include "clients/cli/core/input_text.h"
 #include "clients/cli/core/session.h"
+#include "clients/cli/core/text.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
 #include "server/calibration/offer.h"
@@ -43,9 +42,19 @@ std::string joined(const std::vector<effects::Term>& terms) {
   return text;
 }
 
-double change(const std::optional<double>& before, const std::optional<double>& after,
-              double factor) {
-  return before && after ? (*after - *before) * factor : std::nan("");
+// Changes of the held-out A90: "+0.41 nm on the validation rows, -0.02 nm by blocks of time"; those
+// that are not known are left out.
+std::string changes_text(const calibration::OfferResult& offer, const SummaryUnit& summary) {
+  std::string text;
+  const auto add = [&](const std::optional<double>& before, const std::optional<double>& after,
+                       const char* rows) {
+    if (!before || !after) return;
+    text += (text.empty() ? "" : ", ") + signed_fixed((*after - *before) * summary.factor, 2) +
+            " " + summary.unit + rows;
+  };
+  add(offer.a90_validation_before, offer.a90_validation_after, " on the validation rows");
+  add(offer.a90_blocks_before, offer.a90_blocks_after, " by blocks of time");
+  return text.empty() ? "no rows are held out, so its gain is not known" : text;
 }
 
 SummaryUnit unit_of(const calibration::Model& model, const std::string& output) {
@@ -87,15 +96,10 @@ void print_offers(std::ostream& out, const std::vector<calibration::OfferResult>
   out << "\nWhat more terms would add to the held-out A90\n";
   for (const auto& offer : offers) {
     const SummaryUnit summary = unit_of(model, offer.output);
-    char text[256];
-    std::snprintf(text, sizeof text, "%+.2f %s on the validation rows, %+.2f %s by blocks of time",
-                  change(offer.a90_validation_before, offer.a90_validation_after, summary.factor),
-                  summary.unit.c_str(),
-                  change(offer.a90_blocks_before, offer.a90_blocks_after, summary.factor),
-                  summary.unit.c_str());
     out << "  " << offer.output << ", " << offer.name << ": ";
     if (offer.taken_any())
-      out << "stepwise takes " << joined(offer.taken) << ": " << text << '\n';
+      out << "stepwise takes " << joined(offer.taken) << ": " << changes_text(offer, summary)
+          << '\n';
     else
       out << "all rejected (smallest p " << offer.best_p << ")\n";
   }
@@ -348,9 +352,11 @@ void print_fit(const Console& console, const FitOfFile& fit, const calibration::
   }
   console.out << formats::fit_table(model, {.history = fit.history});
   console.out << '\n';
-  for (const auto& output : model.outputs)
+  for (const auto& output : model.outputs) {
+    if (data.rows == 0) break;  // a run's rows are at the daemon: nothing here tells what limits it
     console.out << output.channel.symbol << " is limited by " << limit_of(data, model, output).words
                 << '\n';
+  }
   if (fit.offers) print_offers(console.out, offers, model);
 }
 
@@ -361,6 +367,8 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
   const RowsOfFile rows = rows_of_file(fit, text, name, options.executor);
   const Dataset& data = rows.data;
   options.set_names = rows.set_names;
+  if (!fit.output.empty())
+    options.lineage.dataset_hash = formats::content_hash(formats::write_dataset_csv(data));
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
   set_terms(fit, rows, options);
   auto fitted = calibration::fit(data, options);
@@ -377,6 +385,8 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
                       formats::with_set_names(residuals_csv(data, model), rows.set_names), read);
   if (!fit.output.empty()) write_output_file(fit.output, exported(model, fit.format, name), read);
   print_fit(console, fit, model, data, offers, std::nullopt);
+  for (const auto& written : {fit.residuals, fit.output})
+    if (!written.empty() && !console.json) console.err << "wrote " << written << '\n';
   return ExitCode::done;
 }
 

@@ -93,7 +93,7 @@ ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
   wanted.set_note(a.note);
   wanted.set_with_offers(a.fit.offers);
   const auto connection = session.connect();
-  const auto response = connection.ask(&ModelStub::CreateFit, wanted, 300);
+  const auto response = ask_for_fit(connection, &ModelStub::CreateFit, wanted);
   const auto& created = response.model();
   v1::ExportModelRequest request;
   request.set_model_id(created.id());
@@ -105,17 +105,16 @@ ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
                   "the daemon's model: " + model.error().message};
   print_fit(session.console, a.fit, *model, {}, offers_from(response), created.id());
   if (session.console.json) return ExitCode::done;
-  session.console.out << "stored as model " << created.id() << '\n';
-  session.console.err << "let it serve with `driftwise model promote " << created.id() << "`\n";
+  print_stored(session.console, created, wanted);
   return ExitCode::done;
 }
 
 ExitCode fit(const Session& session, FitArguments& a) {
   if (a.file.empty() == a.runs.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
-                  std::string("fit what? found ") + (a.file.empty() ? "neither" : "both") +
-                      " a file and --run; give one: driftwise fit data.csv ..., or driftwise fit "
-                      "--run 3 ..."};
+                  std::string("fit what? found ") +
+                      (a.file.empty() ? "neither a file nor --run" : "both a file and --run") +
+                      "; give one: driftwise fit data.csv ..., or driftwise fit --run 3 ..."};
   if (!a.file.empty() && !(a.name.empty() && a.note.empty()))
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   std::string(a.name.empty() ? "--note" : "--name") +

@@ -27,10 +27,32 @@ ExitCode import(const Session& session, const ImportArguments& a) {
 
 }  // namespace
 
+void explain_fit_timeout(Failure& failure) {
+  if (failure.reason != "TIMEOUT") return;
+  failure.message +=
+      ". The daemon continues without this program and may store the model: `driftwise model list` "
+      "shows it";
+}
+
+void print_stored(const Console& console, const v1::Model& model, v1::CreateFitRequest asked) {
+  clean_message(asked);  // as the answer was
+  const bool other_name = !asked.name().empty() && asked.name() != model.name();
+  const bool other_note = !asked.note().empty() && asked.note() != model.note();
+  if (other_name || other_note)
+    console.out << "this content was stored before as model " << model.id() << ", named '"
+                << model.name() << "': not taken "
+                << (other_name ? "the name '" + asked.name() + "'" : "")
+                << (other_name && other_note ? " and " : "") << (other_note ? "the note" : "")
+                << '\n';
+  else
+    console.out << "stored as model " << model.id() << '\n';
+  console.err << "let it serve with `driftwise model promote " << model.id() << "`\n";
+}
+
 ExitCode create_kinematic_model(const Session& session,
                                 const v1::CreateKinematicModelRequest& request) {
   const auto response =
-      session.connect().ask(&v1::ModelService::Stub::CreateKinematicModel, request);
+      ask_for_fit(session.connect(), &v1::ModelService::Stub::CreateKinematicModel, request);
   if (session.console.json) {
     session.console.print_json(json_from(response));
     return ExitCode::done;
@@ -39,9 +61,7 @@ ExitCode create_kinematic_model(const Session& session,
   v1::GetModelResponse shown;
   *shown.mutable_model() = response.model();
   print_model_page(session.console, shown);
-  session.console.out << "stored as model " << response.model().id() << '\n';
-  session.console.err << "let it serve with `driftwise model promote " << response.model().id()
-                      << "`\n";
+  print_stored(session.console, response.model(), request.fit());
   return ExitCode::done;
 }
 

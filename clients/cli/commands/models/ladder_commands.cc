@@ -201,12 +201,27 @@ ExitCode grow(const Session& session, const StudyArguments& a) {
   return ExitCode::done;
 }
 
+// Share by which twice the points would lower A90; none where the curve does not fall at its end:
+// the slope that it comes from reaches back to sizes before the last two.
+std::optional<double> doubling_forecast(const identification::LearningCurve& curve) {
+  const auto count = curve.points.size();
+  if (count < 2 || !(curve.gain_of_doubling > 0)) return std::nullopt;
+  const auto &before = curve.points[count - 2], &last = curve.points[count - 1];
+  const auto falls = [](const auto& from, const auto& to) {
+    return from && to && to->a90 < from->a90;
+  };
+  if (!falls(before.random, last.random)) return std::nullopt;
+  return curve.gain_of_doubling;
+}
+
 ordered_json curve_json(const identification::LearningCurve& curve) {
   const SummaryUnit unit = summary_unit(curve.unit);
-  ordered_json json{
-      {"schema", "driftwise.points.v1"}, {"held_out", curve.held_out},
-      {"rows_calibration", curve.rows},  {"terms_offered", curve.terms},
-      {"enough_rows", curve.enough},     {"gain_of_doubling", curve.gain_of_doubling}};
+  ordered_json json{{"schema", "driftwise.points.v1"},
+                    {"held_out", curve.held_out},
+                    {"rows_calibration", curve.rows},
+                    {"terms_offered", curve.terms},
+                    {"enough_rows", curve.enough},
+                    {"gain_of_doubling", doubling_forecast(curve).value_or(0)}};
   json["points"] = ordered_json::array();
   for (const auto& point : curve.points) {
     ordered_json one{{"rows", point.rows}};
@@ -241,11 +256,13 @@ void print_curve(const Console& console, const identification::LearningCurve& cu
   console.out << "A90 held out (" << curve.held_out << ") of a fit to so many of the " << curve.rows
               << " calibration rows; " << curve.terms << " terms offered\n\n";
   table.print(console.out, console.paint_out());
-  console.out << "\n"
-              << curve.enough
-              << " well-placed points are within 5 % of all; twice as many points as measured "
-                 "would lower A90 by about "
-              << percent(curve.gain_of_doubling) << '\n';
+  console.out << "\n" << curve.enough << " well-placed points are within 5 % of all; ";
+  if (const auto gain = doubling_forecast(curve))
+    console.out << "twice as many points as measured would lower A90 by about " << percent(*gain)
+                << '\n';
+  else
+    console.out << "the curve does not fall at its end: more points would not lower A90 by more "
+                   "than its scatter\n";
 }
 
 ExitCode points(const Session& session, const StudyArguments& a) {

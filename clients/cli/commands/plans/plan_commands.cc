@@ -277,7 +277,7 @@ void print_joint_target(const Console& console, const v1::JointTarget& target) {
                 << answered_text(robot) << '\n';
   console.out << "plan " << target.plan_id() << ", conditions of "
               << clock_text(target.conditions_time()) << " UTC, valid until "
-              << clock_text(target.valid_until_time()).substr(11) << '\n';
+              << utc_text(target.valid_until_time()).substr(11) << '\n';
   for (const auto& flag : target.flags())
     console.out << console.paint_out().warn("! ") << flag << '\n';
 }

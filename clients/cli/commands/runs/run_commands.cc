@@ -48,7 +48,7 @@ ExitCode list_runs(const Session& session, const RunArguments& a) {
   if (session.console.json)
     session.console.print_json(json_from(response));
   else
-    print_runs(session.console, {response.runs().begin(), response.runs().end()});
+    print_runs(session.console, {response.runs().begin(), response.runs().end()}, a.meta);
   return ExitCode::done;
 }
 

@@ -151,8 +151,8 @@ void print_closure_summary(const Console& console, const v1::ListClosuresRespons
   console.out << "returns to zero: " << text << '\n';
   for (const auto& closure : closures.closures())
     if (closure.decision() != v1::Closure::DECISION_WITHIN)
-      console.out << "  " << clock_text(closure.measure_time()) << " line " << closure.line()
-                  << ": " << closure.sentence() << '\n';
+      console.out << "  " << utc_text(closure.measure_time()) << " line " << closure.line() << ": "
+                  << closure.sentence() << '\n';
 }
 
 namespace {

@@ -8,8 +8,8 @@ namespace driftwise::cli {
 
 struct ArmTargetArguments {
   std::string kinematics;         // robot file or cell.toml of a serial arm
-  std::vector<std::string> pose;  // "x=800", "rx_deg=180", "t04=23.1"
-  std::vector<std::string> near;  // "q1=0.2"; a joint that is missing: 0
+  std::vector<std::string> pose;  // "x=800", "rx_deg=180", "t04_degC=23.1"
+  std::vector<std::string> near;  // "q1_deg=20"; a joint that is missing: 0
 };
 
 // target --kinematics robot.toml x=... --near q1=...: joint angles by the robot file, with the

@@ -1,6 +1,7 @@
 #include "clients/cli/commands/targets/simulate_command.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "clients/cli/commands/targets/target_command.h"
@@ -29,6 +30,9 @@ struct InUnits {
   static constexpr const char* unit = " arcsec";
 };
 
+// Without an uncertainty nothing says how far the two may differ.
+bool is_judged(const v1::EstimatedCoordinate& coordinate) { return std::isfinite(coordinate.u()); }
+
 void print_pose(const Console& console, const v1::EstimatePoseResponse& pose) {
   Table table({{"pose"},
                {"simulated", Align::right},
@@ -40,12 +44,13 @@ void print_pose(const Console& console, const v1::EstimatePoseResponse& pose) {
     const InUnits in(coordinate.channel());
     const bool measured = coordinate.has_measured();
     table.add({coordinate.channel().substr(0, coordinate.channel().rfind('_')),
-               in.value(coordinate.value()), in.small(2 * coordinate.u()),
+               in.value(coordinate.value()),
+               is_judged(coordinate) ? in.small(2 * coordinate.u()) : "-",
                measured ? in.value(coordinate.measured()) : "-",
                measured ? in.difference(coordinate.discrepancy()) : "-",
-               !measured             ? ""
-               : coordinate.agrees() ? "within U"
-                                     : "beyond U"});
+               !measured || !is_judged(coordinate) ? ""
+               : coordinate.agrees()               ? "within U"
+                                                   : "beyond U"});
   }
   table.print(console.out, console.paint_out());
   console.out << "from";
@@ -81,7 +86,9 @@ void add_simulate_command(CLI::App& app, Session& session) {
       else
         print_pose(session.console, pose);
       return std::all_of(pose.coordinates().begin(), pose.coordinates().end(),
-                         [](const auto& one) { return !one.has_measured() || one.agrees(); })
+                         [](const auto& one) {
+                           return !one.has_measured() || !is_judged(one) || one.agrees();
+                         })
                  ? ExitCode::done
                  : ExitCode::negative;
     };

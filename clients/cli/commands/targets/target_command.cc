@@ -118,7 +118,7 @@ void print_joints(const Console& console, const v1::Target& target) {
 void print_conditions(const Console& console, const v1::Target& target) {
   console.out << "model " << target.model_id() << ", conditions of "
               << clock_text(target.conditions_time()) << " UTC, valid until "
-              << clock_text(target.valid_until_time()).substr(11) << '\n';
+              << utc_text(target.valid_until_time()).substr(11) << '\n';
   print_flags(console, target);
 }
 
@@ -210,7 +210,7 @@ ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, d
           session.console.out << json_from(target).dump() << '\n' << std::flush;
           return true;
         }
-        session.console.out << clock_text(target.conditions_time());
+        session.console.out << utc_text(target.conditions_time());
         for (const auto& coordinate : target.coordinates())
           if (coordinate.has_joint())
             session.console.out << "  " << coordinate.channel() << " "
@@ -244,7 +244,14 @@ void add_target_command(CLI::App& app, Session& session) {
       if (a->pose.empty())
         throw Failure{ExitCode::usage, "usage", "USAGE",
                       "target of which pose? give it: driftwise target x=1.5"};
-      if (!a->kinematics.empty()) return arm_target(session, {a->kinematics, a->pose, a->near});
+      if (!a->kinematics.empty()) {
+        if (a->budget || a->watch)
+          throw Failure{ExitCode::usage, "usage", "USAGE",
+                        std::string(a->budget ? "--budget" : "--watch") +
+                            " asks the daemon, --kinematics asks a robot file: leave one of the "
+                            "two out"};
+        return arm_target(session, {a->kinematics, a->pose, a->near});
+      }
       v1::ComputeTargetRequest request;
       *request.mutable_pose() = assignments_from(a->pose);
       request.set_with_budget(a->budget);

@@ -55,7 +55,7 @@ v1::GridAxis grid_axis_from(const std::string& text) {
 void print_kept(const Console& console, const v1::Trajectory& kept) {
   if (console.json) return console.print_json(json_from(kept));
   console.out << "trajectory " << kept.id() << " '" << kept.name() << "', " << kept.row_count()
-              << " rows, kept by " << kept.created_by() << " " << clock_text(kept.create_time())
+              << " rows, kept by " << kept.created_by() << " " << utc_text(kept.create_time())
               << '\n';
 }
 
@@ -74,7 +74,8 @@ ExitCode list_kept(const Session& session) {
     session.console.print_json(json_from(response));
     return ExitCode::done;
   }
-  Table table({{"trajectory", Align::right}, {"name"}, {"rows", Align::right}, {"kept"}, {"by"}});
+  Table table(
+      {{"trajectory", Align::right}, {"name"}, {"rows", Align::right}, {"kept (UTC)"}, {"by"}});
   for (const auto& kept : response.trajectories())
     table.add({std::to_string(kept.id()), kept.name(), std::to_string(kept.row_count()),
                clock_text(kept.create_time()), kept.created_by()});

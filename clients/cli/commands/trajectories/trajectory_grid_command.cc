@@ -46,7 +46,7 @@ void take_to_pose(Trajectory& trajectory, const std::string& file) {
     const auto pose = must_have(delta.pose_from_motor(q_mm, nominal));
     for (Eigen::Index i = 0; i < 3; ++i)
       point.target[static_cast<std::size_t>(i)] =
-          point.zero ? 0.0 : std::round(pose[i] * 1e4) / 1e4;
+          point.zero ? 0.0 : std::round(pose[i] * 1e4) / 1e4 + 0.0;  // -0 + 0 is 0
   }
   trajectory.coordinates = delta.inputs();
 }
