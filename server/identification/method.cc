@@ -38,12 +38,13 @@ Result<void> check_method(Method method, const MethodOptions& options) {
   std::ranges::sort(asked);
   std::ranges::sort(predicted);
   if (asked == predicted) return {};
-  std::string left, right;
-  for (const auto& one : asked) left += (left.empty() ? "" : " + ") + one;
-  for (const auto& one : predicted) right += (right.empty() ? "" : " + ") + one;
+  std::string left, right, written;
+  for (const auto& one : asked) left += (left.empty() ? "" : ", ") + one;
+  for (const auto& one : predicted) right += (right.empty() ? "" : ", ") + one;
+  for (const auto& one : predicted) written += (written.empty() ? "" : " + ") + one;
   return fail(ErrorCode::invalid_argument, reasons::kOtherOutputs,
               "the left side of the formula has " + left +
-                  ", but this robot's kinematics predicts " + right + ": write \"" + right +
+                  ", but this robot's kinematics predicts " + right + ": write \"" + written +
                   " ~ ...\"");
 }
 

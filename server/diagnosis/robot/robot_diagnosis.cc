@@ -40,12 +40,13 @@ Result<calibration::Candidates> checked_baseline(const calibration::Candidates& 
   std::ranges::sort(asked);
   std::ranges::sort(predicted);
   if (asked.empty() || asked == predicted) return result;
-  std::string left, right;
-  for (const auto& one : asked) left += (left.empty() ? "" : " + ") + one;
-  for (const auto& one : result.outputs) right += (right.empty() ? "" : " + ") + one;
+  std::string left, right, written;
+  for (const auto& one : asked) left += (left.empty() ? "" : ", ") + one;
+  for (const auto& one : result.outputs) right += (right.empty() ? "" : ", ") + one;
+  for (const auto& one : result.outputs) written += (written.empty() ? "" : " + ") + one;
   return fail(ErrorCode::invalid_argument, reasons::kOtherOutputs,
               "the baseline's left side has " + left + ", but this robot's kinematics predicts " +
-                  right + ": write \"" + right + " ~ ...\"");
+                  right + ": write \"" + written + " ~ ...\"");
 }
 
 // The figures "before" are the drawing's: what was found of it is part of the gain.

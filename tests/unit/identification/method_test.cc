@@ -117,7 +117,9 @@ TEST(Method, SaysWhatTheRobotPredictsWhenTheFormulaAsksForSomethingElse) {
   const auto fitted = fit_method(data, Method::classic, delta_options(data, "q1 + q2 ~ x + y + z"));
   ASSERT_FALSE(fitted);
   EXPECT_EQ(fitted.error().reason, "OTHER_OUTPUTS");
-  EXPECT_NE(fitted.error().message.find("predicts q1, q2, q3"), std::string::npos);
+  EXPECT_NE(fitted.error().message.find("predicts q1, q2, q3: write \"q1 + q2 + q3 ~"),
+            std::string::npos)
+      << fitted.error().message;
 }
 
 }  // namespace
