@@ -5,7 +5,8 @@
 // q = g(x; p) + terms are offered g(x + h), and to first order parameters and coefficients move
 // together by the least squares of -(dg/dx) h on the identification's own derivatives. The law is
 // that of a regression (server/calibration/report/influence.h), with derivatives in place of terms.
-// Of an arm the pose is what is predicted: with x read wrong by h, the least squares are those of h.
+// Of an arm the pose is what is predicted: with x read wrong by h, the least squares are those of
+// h.
 
 #include <string>
 #include <vector>
