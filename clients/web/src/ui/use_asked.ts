@@ -47,7 +47,10 @@ export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) 
       );
     return () => abort.abort();
   }, [key, turn, freshness]);
-  const again = useCallback(() => setTurn((n) => n + 1), []);
+  const again = useCallback(() => {
+    setState((old) => ({ ...old, waiting: true })); // at once: the effect that asks may come later than who asks again
+    setTurn((n) => n + 1);
+  }, []);
   const set = useCallback(
     (change: (before: T) => T) => {
       meanwhile.current?.push(change);
