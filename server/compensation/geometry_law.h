@@ -19,7 +19,8 @@
 // residual. Errors of the joints count as known but for their thermometers' u (`temperatures`).
 // A declared error of the instruments, which moved the parameters by dp, makes J^-1 A dp of each
 // motor coordinate (from a zero: less that at the zero), which adds to what it did to the terms
-// before anything is squared. Without parameters identified there is no uncertainty: nothing is invented.
+// before anything is squared. Without parameters identified there is no uncertainty: nothing is
+// invented.
 //
 // Pure, any thread; allocates.
 
