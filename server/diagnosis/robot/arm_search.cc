@@ -56,9 +56,10 @@ void ArmSearch::weigh_again() {
   const auto columns = columns_of(in_);
   if (!in_.empty())
     left -= turns_(Eigen::all, columns) * scales_of(in_).cwiseProduct(fit(in_, 1).mean);
-  const double noise =
+  double noise =
       std::sqrt(left.squaredNorm() /
                 static_cast<double>(std::ssize(left) - basis_.cols() - std::ssize(columns)));
+  if (!(noise > 0 && std::isfinite(noise))) noise = 1;  // as many columns as numbers
   noise_ *= noise;
   y_ /= noise;
   turns_ /= noise;
