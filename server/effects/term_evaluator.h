@@ -41,7 +41,8 @@ class TermEvaluator {
   // memory.
   void step(double time_s, std::span<const double> values, std::span<double> columns_out);
 
-  // What step() would give, without advancing: for terms that call no effect (asserted).
+  // The columns that step() would give, without advancing: for terms that call no effect
+  // (asserted).
   void evaluate(std::span<const double> values, std::span<double> columns_out) const;
 
   // Many readings: the same numbers as step() row by row, columns without memory in whole columns.

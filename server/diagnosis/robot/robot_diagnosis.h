@@ -4,7 +4,7 @@
 // beyond the robot so identified, every other cause of the catalogue (diagnosis.h). Numbers of the
 // drawing do not count towards max_findings.
 //
-// Where isolated wrong rows are found, all of it is done again without them.
+// Isolated wrong rows: where there are any, all of it is done again without them.
 //
 // The second look is at what the first leaves: an effect that resembles a geometric deviation has
 // partly been taken up by it. That hides effects and invents none.

@@ -10,7 +10,7 @@ namespace driftwise::formats {
 // tell beside (an interferometer's air temperature, signal level and scatter, a stabiliser's
 // set-point). Sorted. After the devices.
 std::vector<std::string> channels_read(const CellDescription& cell);
-// Refuses a channel that is none of these names: NO_SUCH_CHANNEL, naming the nearest or all.
+// Refuses a channel that is none of these names: NO_SUCH_CHANNEL, naming them all.
 void check_is_read(TomlReader& reader, const char* key, const std::string& channel,
                    const std::vector<std::string>& names);
 

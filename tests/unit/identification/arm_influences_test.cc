@@ -1,5 +1,5 @@
-// What a declared error of the tracker does to the joints of an arm's targets. The oracle is
-// another identification, with that error in the measured pose, served side by side with the first.
+// Declared errors of a tracker in the joints of an arm's targets. The oracle is another
+// identification, with that error in the measured pose, served side by side with the first.
 
 #include <gtest/gtest.h>
 
