@@ -10,7 +10,7 @@ namespace driftwise::compensation {
 std::size_t SlowState::add_channel(const Channel& channel) {
   if (const auto known = find(channel.symbol)) return *known;
   channels_.push_back(channel);
-  names_.push_back(channel.name());
+  read_as_.push_back({channel.name(), {}});
   latest_.emplace_back();
   before_first_.push_back(0);
   return channels_.size() - 1;
@@ -37,11 +37,11 @@ void SlowState::observe(std::span<const ChannelValue> values, CellTime at) {
   std::vector<bool> fresh(channels_.size(), false);
   for (const auto& [name, value] : values) {
     if (is_missing(value)) continue;
-    const auto found = std::ranges::find(names_, name);
-    if (found == names_.end()) continue;
-    const auto index = static_cast<std::size_t>(found - names_.begin());
+    const auto found = std::ranges::find(read_as_, name, &ReadAs::name);
+    if (found == read_as_.end()) continue;
+    const auto index = static_cast<std::size_t>(found - read_as_.begin());
     if (at < latest_[index].at) continue;  // a late reading must not turn time back
-    latest_[index] = {value, at};
+    latest_[index] = {found->to_unit(value), at};
     fresh[index] = true;
   }
   for (auto& tracker : calls_) {

@@ -6,12 +6,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
 #include "server/core/data/reading.h"
 #include "server/core/result.h"
+#include "server/core/unit_conversion.h"
 #include "server/effects/term_evaluator.h"
 
 namespace driftwise::compensation {
@@ -41,7 +43,16 @@ class SlowState {
   // TermEvaluator::create.
   Result<std::size_t> add_call(const effects::Call& call);
 
-  // channel: full name. Unknown channels and kMissing values change nothing.
+  // Name under which the cell reads a channel, and from the cell's unit to the model's: a model
+  // fitted in K is served from a thermometer in degC. At first the channel's own name.
+  struct ReadAs {
+    std::string name;
+    UnitConversion to_unit;
+  };
+  void set_read_as(std::size_t channel, ReadAs by) { read_as_[channel] = std::move(by); }
+  const std::vector<ReadAs>& read_as() const { return read_as_; }
+
+  // Readings by the names of read_as(). Unknown names and kMissing values change nothing.
   void observe(std::span<const ChannelValue> values, CellTime at);
 
   const std::vector<Channel>& channels() const { return channels_; }
@@ -81,7 +92,7 @@ class SlowState {
   void begin_twin(Tracker& tracker, double time_s, std::span<const double> inputs) const;
   static double settled(const Tracker& tracker, std::span<const double> channels);
   std::vector<Channel> channels_;
-  std::vector<std::string> names_;
+  std::vector<ReadAs> read_as_;
   std::vector<Latest> latest_;
   std::vector<double> before_first_;  // per channel; 0: not set
   std::vector<Tracker> calls_;

@@ -72,10 +72,10 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
             ", which the model needs to be carried over to it: zero again with every sensor alive");
   };
   std::vector<double> channels;
-  for (const auto& channel : slow_.channels()) {
-    const auto value = find(channel.name());
-    if (!value) return incomplete(channel.name());
-    channels.push_back(*value);
+  for (const auto& read : slow_.read_as()) {
+    const auto value = find(read.name);
+    if (!value) return incomplete(read.name);
+    channels.push_back(read.to_unit(*value));
   }
   const auto calls = slow_.call_values();
   for (std::size_t i = 0; i < calls.size(); ++i)

@@ -62,8 +62,13 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
       made.slow_.set_before_first(made.slow_inputs_.size(), width / std::sqrt(12.0));
     made.slow_inputs_.push_back({range.min, range.max, 0.0});
     for (const auto& device : cell.devices)
-      for (const auto& probe : device.probes())
-        if (probe.channel == channel) made.slow_inputs_.back().u = probe.u_k;
+      for (const auto& probe : device.probes()) {
+        if (probe.channel.symbol != channel.symbol) continue;
+        const auto to_unit = unit_conversion(probe.channel.unit, channel.unit);
+        if (!to_unit) continue;
+        made.slow_.set_read_as(made.slow_inputs_.size() - 1, {probe.channel.name(), *to_unit});
+        made.slow_inputs_.back().u = probe.u_k;  // degC and K: the same difference
+      }
   }
   if (gives == Gives::motors)
     for (auto& output : made.outputs_)
@@ -139,7 +144,7 @@ Result<void> SnapshotBuilder::add_geometry() {
 
 std::vector<std::string> SnapshotBuilder::observed_channels() const {
   std::vector<std::string> names;
-  for (const auto& channel : slow_.channels()) names.push_back(channel.name());
+  for (const auto& read : slow_.read_as()) names.push_back(read.name);
   if (law_)
     for (const auto& output : outputs_) names.push_back(output.channel.name());
   return names;

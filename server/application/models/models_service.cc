@@ -93,9 +93,12 @@ Awaitable<Result<ModelRecord>> ModelsService::store(Caller caller, ModelRecord r
   record.created = clock_.now().utc;
   record.created_by = caller.name;
   DRIFTWISE_CO_TRY(auto id, co_await writer_.models().add_model(record));
+  auto stored = co_await get(id);
+  if (stored && stored->created.utc_ns != record.created.utc_ns)  // the first record stands
+    what += fmt::format(" (the same content again, stored as '{}')", stored->name);
   events_.record(caller, "model.fitted",
                  fmt::format("{} fitted model {}: {}", caller.name, id.value, what));
-  co_return co_await get(id);  // the same fit again is the same model: its first record stands
+  co_return stored;
 }
 
 Awaitable<Result<std::vector<ModelRecord>>> ModelsService::list() {

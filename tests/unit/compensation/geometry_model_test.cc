@@ -132,6 +132,22 @@ TEST(GeometryModel, SaysThatAnImportedGeometryWasNotJudged) {
   EXPECT_NE(describe_flags(snapshot, target).find("UNJUDGED_MODEL"), std::string::npos);
 }
 
+// A target of an arm is its geometry's inverse: what a term adds would be left out of it.
+TEST(GeometryModel, OfAnArmIsRefusedWithTermsBesideIt) {
+  auto model = imported(bent_ur10());
+  auto& x = model.outputs.emplace_back();
+  x.channel = {"x", "mm"};
+  x.terms = {{{effects::Power{"air", 1}}}};
+  x.coefficients = Eigen::VectorXd::Constant(1, 0.02);
+  model.domain.push_back({{"air", "degC"}, 20, 25});
+  const auto refused = SnapshotBuilder::create(model, ModelId{1}, CellDescription{});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "TERM_NOT_SERVABLE");
+  EXPECT_NE(refused.error().message.find("air"), std::string::npos) << refused.error().message;
+  x.terms = {effects::Term{}};  // a constant
+  EXPECT_TRUE(SnapshotBuilder::create(model, ModelId{1}, CellDescription{}));
+}
+
 TEST(GeometryModel, IsNearestToWhereTheArmStandsUnlessTheRequestSays) {
   const auto robot = bent_ur10();
   auto builder = serving(imported(robot));

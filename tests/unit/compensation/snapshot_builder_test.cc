@@ -414,6 +414,27 @@ TEST(SnapshotBuilder, AMemoryThatBeganLatelyBeforeTheZeroStaysUncertainInThatDat
   EXPECT_NEAR(temperatures_nm(builder, hours_from_zero(60)), at_zero_nm, 0.1);
 }
 
+// The same law written for kelvin; the cell's thermometer reads degrees.
+TEST(SnapshotBuilder, ServesAModelFittedInKelvinFromAThermometerInDegrees) {
+  auto degrees = axis_model();
+  degrees.outputs[0].covariance.setZero();  // it is the covariance of other coefficients in kelvin
+  auto kelvin = degrees;
+  kelvin.domain[1] = {{"t07", "K"}, 293.15, 295.15};
+  auto& coefficients = kelvin.outputs[0].coefficients;
+  coefficients[0] -= 273.15 * coefficients[3];
+  coefficients[1] -= 273.15 * coefficients[4];
+  auto in_kelvin = builder_of(kelvin), in_degrees = builder_of(degrees);
+  EXPECT_EQ(in_kelvin.observed_channels(), std::vector<std::string>{"t07_degC"});
+  for (auto* builder : {&in_kelvin, &in_degrees}) {
+    observe(*builder, 21.5);
+    ASSERT_TRUE(builder->anchor(std::vector<ChannelValue>{{"q1_mm", 0.5}, {"t07_degC", 20.5}}));
+  }
+  const auto one = target_at(in_kelvin, 1.5), other = target_at(in_degrees, 1.5);
+  EXPECT_NEAR(one.q_mm[0], other.q_mm[0], 1e-12);
+  EXPECT_EQ(one.flags, 0U);
+  EXPECT_NEAR(one.u_nm[0], other.u_nm[0], 1e-6 * other.u_nm[0]);
+}
+
 TEST(SnapshotBuilder, IgnoresAReadingThatArrivesLate) {
   auto builder = builder_of(axis_model());
   observe(builder, 21);

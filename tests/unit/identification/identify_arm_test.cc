@@ -160,6 +160,21 @@ TEST(IdentifyArm, SaysWhichChannelIsMissing) {
   EXPECT_EQ(identify(data, options).error().reason, "WRONG_UNIT");
 }
 
+// Any numbers of the robot fit as many values as there are unknowns, and nothing says how well.
+TEST(IdentifyArm, NeedsMoreValuesThanUnknowns) {
+  IdentifyOptions options;
+  options.mechanism = *kinematics::make_mechanism(robots::nominal_arm());
+  const auto enough = identify(robots::arm_campaign(crooked_arm(), 40, 0, 37), options);
+  ASSERT_TRUE(enough) << enough.error().message;
+  const auto unknowns = std::ranges::count_if(
+      enough->parameters, [](const auto& one) { return one.standard_error > 0; });
+  const auto rows = static_cast<int>(unknowns) / 6;  // a pose has six values
+  const auto refused = identify(robots::arm_campaign(crooked_arm(), rows, 0, 37), options);
+  ASSERT_FALSE(refused) << unknowns << " unknowns, " << rows << " rows";
+  EXPECT_EQ(refused.error().reason, "TOO_FEW_ROWS");
+  EXPECT_NE(refused.error().message.find("unknowns"), std::string::npos) << refused.error().message;
+}
+
 TEST(IdentifyArm, NeedsEnoughRows) {
   IdentifyOptions options;
   options.mechanism = *kinematics::make_mechanism(robots::nominal_arm());

@@ -354,7 +354,13 @@ TEST_F(ServingTest, TheSameFitAgainIsTheSameModel) {
   application::FitRequest fit;
   fit.runs = {RunId{1}};
   fit.formula = "q1 ~ x + t01";
+  fit.name = "second name";
   EXPECT_EQ(cell.await(cell->models.fit(cell.ada, fit))->id, model.id);
+  const auto events = cell.events_named("model.fitted");
+  ASSERT_EQ(events.size(), 2);
+  EXPECT_EQ(events[0].find("again"), std::string::npos) << events[0];
+  EXPECT_NE(events[1].find("stored as '" + model.name + "'"), std::string::npos)
+      << events[1];
 }
 
 }  // namespace
