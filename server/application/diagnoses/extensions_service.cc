@@ -16,6 +16,7 @@
 #include "server/application/provenance/promotion_questions.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/reasons.h"
+#include "server/core/records/state_text.h"
 #include "server/core/try.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/formats/diagnosis/amendment_json.h"
@@ -51,8 +52,8 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   material.record = std::move(record);
   if (material.record.state != JobState::done)
     return fail(ErrorCode::failed_precondition, reasons::kNotDone,
-                fmt::format("diagnosis {} is {}: only one that is done can be accepted",
-                            material.record.id.value, to_string(material.record.state)));
+                fmt::format("diagnosis {} {}: only one that is done can be accepted",
+                            material.record.id.value, is_text(material.record.state)));
   DRIFTWISE_TRY(auto found, formats::read_stored_diagnosis(material.record.result_json));
   material.found = std::move(found);
   DRIFTWISE_TRY(auto chosen, chosen_findings(material.found, request.findings));

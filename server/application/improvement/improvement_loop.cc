@@ -9,6 +9,7 @@
 #include "server/application/improvement/fresh_points.h"
 #include "server/application/models/model_integrity.h"
 #include "server/core/reasons.h"
+#include "server/core/records/state_text.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/diagnosis/report/heading.h"
@@ -258,8 +259,8 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   DRIFTWISE_CO_RETURN_IF_ERROR(check());
   if (view->record.state != JobState::done || !view->found)
     co_return fail(ErrorCode::failed_precondition, reasons::kDiagnosisFailed,
-                   fmt::format("diagnosis {} is {}: {}", view->record.id.value,
-                               to_string(view->record.state), view->record.reason));
+                   fmt::format("diagnosis {} {}: {}", view->record.id.value,
+                               is_text(view->record.state), view->record.reason));
   co_return view;
 }
 
@@ -439,7 +440,7 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
   if (ended->state != RunState::done)
     co_return fail(
         ErrorCode::aborted, reasons::kRunEndedEarly,
-        fmt::format("run {} is {}: {}", ended->id.value, to_string(ended->state), ended->reason));
+        fmt::format("run {} {}: {}", ended->id.value, is_text(ended->state), ended->reason));
   runs_.push_back(ended->id);
   co_return *ended;
 }

@@ -6,6 +6,7 @@
 
 #include "server/application/plumbing/task_group.h"
 #include "server/core/reasons.h"
+#include "server/core/records/state_text.h"
 
 namespace driftwise::application {
 
@@ -94,7 +95,7 @@ Awaitable<Result<void>> Improver::end(std::shared_ptr<Active> active, JobState s
   if (!withdrawn.empty()) reason += "; " + withdrawn;
   auto stored = co_await writer_.improvements().end_improvement(active->record.id, state, reason,
                                                                 clock_.now().utc);
-  auto detail = fmt::format("improvement {} is {}: {}", active->record.id.value, to_string(state),
+  auto detail = fmt::format("improvement {} {}: {}", active->record.id.value, is_text(state),
                             stored ? reason : stored.error().message);
   events_.record_own(fmt::format("improvement.{}", to_string(state)), std::move(detail));
   active->progress.state = state;

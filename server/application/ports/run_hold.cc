@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/core/reasons.h"
+#include "server/core/records/state_text.h"
 
 namespace driftwise::application {
 namespace {
@@ -36,7 +37,7 @@ std::string hold_sentence(const RunRecord& run, const RunHold& hold, CellTime no
     case RunHold::Kind::configuration:
       return fmt::format("run {} asks for a person since {}: {}", run.id.value, ago, hold.reason);
   }
-  return fmt::format("run {} is {}", run.id.value, to_string(run.state));
+  return fmt::format("run {} {}", run.id.value, is_text(run.state));
 }
 
 RunHold stored_hold(const RunRecord& run, CellTime now) {

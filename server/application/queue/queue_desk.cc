@@ -6,6 +6,7 @@
 
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
+#include "server/core/records/state_text.h"
 #include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
 
@@ -115,7 +116,7 @@ Awaitable<Result<void>> QueueDesk::change(QueueChange change) {
 std::string QueueDesk::busy() const {
   if (auto ok = parts_.stops.check(); !ok) return ok.error().message;
   if (const auto* run = parts_.engine.record())
-    return fmt::format("run {} '{}' is {}", run->id.value, run->name, to_string(run->state));
+    return fmt::format("run {} '{}' {}", run->id.value, run->name, is_text(run->state));
   if (parts_.right.by_hand()) return "a movement by hand is under way";
   if (parts_.improving()) return "an improvement is under way";
   if (const auto lease = parts_.leases.present(parts_.clock.now().utc))
@@ -483,8 +484,8 @@ Awaitable<QueueResult> QueueDesk::diagnose(const QueueEntry& entry, std::string 
   const auto id = found->record.id;
   if (found->record.state != JobState::done)
     co_return QueueResult{.good = false,
-                          .text = fmt::format("diagnosis {} is {}: {}", id.value,
-                                              to_string(found->record.state), found->record.reason),
+                          .text = fmt::format("diagnosis {} {}: {}", id.value,
+                                              is_text(found->record.state), found->record.reason),
                           .diagnosis = id};
   co_return QueueResult{
       .text = fmt::format("diagnosis {} is done: {} findings", id.value,

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "server/application/plumbing/run_on.h"
+#include "server/core/records/state_text.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/without_secrets.h"
@@ -132,9 +133,9 @@ std::string SupportService::state() const {
   std::string text = fmt::format("cell '{}' at {}, speed {:g}\n", status.name,
                                  to_iso8601(bench_.clock.utc(status.now.utc)), status.speed);
   text += status.run
-              ? fmt::format("run {} '{}' is {}: {} accepted, {} given up, of {} rows. {}\n",
+              ? fmt::format("run {} '{}' {}: {} accepted, {} given up, of {} rows. {}\n",
                             status.run->run.id.value, status.run->run.name,
-                            to_string(status.run->run.state), status.run->run.accepted,
+                            is_text(status.run->run.state), status.run->run.accepted,
                             status.run->run.given_up, status.run->run.rows, status.run->run.reason)
               : "no run is under way\n";
   if (status.serving) text += fmt::format("model {} serves\n", status.serving->value);
