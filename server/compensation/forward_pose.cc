@@ -179,7 +179,9 @@ Result<ForwardPose> pose_by_law(const Snapshot& snapshot, const ForwardRequest& 
     pose.near |= 1u << (number - 1);
   }
   result.target = compute_target(snapshot, pose);
-  if (result.target.refusal != Refusal::none || snapshot.unjudged) return result;
+  if (result.target.refusal != Refusal::none)
+    return tl::unexpected(refusal_error(snapshot, result.target));
+  if (snapshot.unjudged) return result;
   if (found.u.array().isNaN().all()) {
     add_u_by_slopes(snapshot, pose, result);
   } else {  // an arm's own: joints err together, and nothing measured its axes

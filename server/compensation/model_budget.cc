@@ -17,10 +17,7 @@ constexpr CellTime kAnyInstant{1'000'000'000'000'000'000};
 Result<Snapshot> model_snapshot(const calibration::Model& model, const CellDescription& cell) {
   DRIFTWISE_TRY(auto builder, SnapshotBuilder::create(model, ModelId{0}, cell));
   builder.keep_model_datum();
-  for (const auto& range : model.domain) {
-    const ChannelValue middle{range.channel.name(), 0.5 * (range.min + range.max)};
-    builder.observe(std::span(&middle, 1), kAnyInstant);
-  }
+  builder.observe_middle(kAnyInstant);
   return builder.build(kAnyInstant);
 }
 

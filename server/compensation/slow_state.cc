@@ -34,15 +34,22 @@ Result<std::size_t> SlowState::add_call(const effects::Call& call) {
 }
 
 void SlowState::observe(std::span<const ChannelValue> values, CellTime at) {
-  std::vector<bool> fresh(channels_.size(), false);
+  std::vector<double> by_channel(channels_.size(), kMissing);
   for (const auto& [name, value] : values) {
-    if (is_missing(value)) continue;
     const auto found = std::ranges::find(read_as_, name, &ReadAs::name);
-    if (found == read_as_.end()) continue;
-    const auto index = static_cast<std::size_t>(found - read_as_.begin());
-    if (at < latest_[index].at) continue;  // a late reading must not turn time back
-    latest_[index] = {found->to_unit(value), at};
-    fresh[index] = true;
+    if (found != read_as_.end() && !is_missing(value))
+      by_channel[static_cast<std::size_t>(found - read_as_.begin())] = found->to_unit(value);
+  }
+  take(by_channel, at);
+}
+
+void SlowState::take(std::span<const double> by_channel, CellTime at) {
+  std::vector<bool> fresh(channels_.size(), false);
+  for (std::size_t i = 0; i < by_channel.size(); ++i) {
+    if (is_missing(by_channel[i])) continue;
+    if (at < latest_[i].at) continue;  // a late reading must not turn time back
+    latest_[i] = {by_channel[i], at};
+    fresh[i] = true;
   }
   for (auto& tracker : calls_) {
     if (!std::ranges::any_of(tracker.channels, [&](std::size_t i) { return fresh[i]; })) continue;

@@ -54,6 +54,8 @@ class SlowState {
 
   // Readings by the names of read_as(). Unknown names and kMissing values change nothing.
   void observe(std::span<const ChannelValue> values, CellTime at);
+  // The same by channel, in the order and the units of channels(); kMissing: nothing new.
+  void take(std::span<const double> by_channel, CellTime at);
 
   const std::vector<Channel>& channels() const { return channels_; }
   const std::vector<Latest>& latest() const { return latest_; }

@@ -142,9 +142,23 @@ Result<void> SnapshotBuilder::add_geometry() {
   return {};
 }
 
-std::vector<std::string> SnapshotBuilder::observed_channels() const {
+void SnapshotBuilder::observe_middle(CellTime at) {
+  std::vector<double> middles;
+  for (const auto& channel : slow_.channels()) {
+    const auto* range = domain_of(channel.symbol);
+    middles.push_back(range == nullptr ? kMissing : 0.5 * (range->min + range->max));
+  }
+  slow_.take(middles, at);
+}
+
+std::vector<std::string> SnapshotBuilder::slow_channels() const {
   std::vector<std::string> names;
   for (const auto& read : slow_.read_as()) names.push_back(read.name);
+  return names;
+}
+
+std::vector<std::string> SnapshotBuilder::observed_channels() const {
+  auto names = slow_channels();
   if (law_)
     for (const auto& output : outputs_) names.push_back(output.channel.name());
   return names;

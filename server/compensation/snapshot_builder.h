@@ -51,7 +51,13 @@ class SnapshotBuilder {
     if (law_) observe_motors(values);
   }
 
-  // Full names of the channels that observe() does not pass over.
+  // Every slow channel at the middle of its fitted range. Errors: none; a channel without a range
+  // stays unread.
+  void observe_middle(CellTime at);
+
+  // Full names, as the cell reads them, of the channels that no request states.
+  std::vector<std::string> slow_channels() const;
+  // Those and the motors of a geometry: the channels that observe() does not pass over.
   std::vector<std::string> observed_channels() const;
   // Time back to which readings count: effects with memory have forgotten what was before
   // (effects::kForgottenTaus). 0: the model has no such effect. Where the readings begin later, the

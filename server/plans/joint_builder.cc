@@ -71,12 +71,9 @@ Result<std::size_t> JointBuilder::add_part(ModelId model, const std::string& rob
   auto builder = compensation::SnapshotBuilder::create(std::move(*own), model,
                                                        part_of_robot(cell, robot), gives);
   if (!builder) return tl::unexpected(about_model(model, builder.error()));
-  for (const auto& range : builder->model().domain)
-    if (!compensation::variable_from(range.channel.symbol)) {
-      const auto name = range.channel.name();
-      if (std::ranges::find(slow_channels_, name) == slow_channels_.end())
-        slow_channels_.push_back(name);
-    }
+  for (const auto& name : builder->slow_channels())
+    if (std::ranges::find(slow_channels_, name) == slow_channels_.end())
+      slow_channels_.push_back(name);
   parts_.push_back({model, robot, std::move(*builder)});
   return parts_.size() - 1;
 }

@@ -21,9 +21,10 @@ void confirm(const Console& console, bool yes, const std::string& title,
   throw Failure{ExitCode::refused, "cancelled", "DECLINED", "nothing was changed"};
 }
 
-void confirm_rollback(const Console& console, bool yes, const ServedIds& served,
-                      const RollbackQuestion& question) {
-  if (served.ids().empty()) return;
+std::optional<std::int64_t> confirm_rollback(const Console& console, bool yes,
+                                             const ServedIds& served,
+                                             const RollbackQuestion& question) {
+  if (served.ids().empty()) return std::nullopt;
   const auto before = served.before();
   confirm(console, yes,
           question.what + " " + std::to_string(served.ids().back()) +
@@ -32,6 +33,7 @@ void confirm_rollback(const Console& console, bool yes, const ServedIds& served,
                  : std::vector<std::string>{"no " + question.what + " served before it: " +
                                             question.none + " until one is promoted"},
           "Roll back");
+  return served.ids().back();
 }
 
 }  // namespace driftwise::cli

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ struct RollbackQuestion {
   std::string none;  // consequence where none served before
   std::function<std::vector<std::string>(std::int64_t)> facts_of_return;
 };
-// confirm() of a rollback. None serves: nobody is asked, the daemon says that there is none.
-void confirm_rollback(const Console& console, bool yes, const ServedIds& served,
-                      const RollbackQuestion& question);
+// confirm() of a rollback; returns the one that serves, for the request to name. None serves:
+// nobody is asked, the daemon says that there is none.
+std::optional<std::int64_t> confirm_rollback(const Console& console, bool yes,
+                                             const ServedIds& served,
+                                             const RollbackQuestion& question);
 
 }  // namespace driftwise::cli

@@ -79,13 +79,15 @@ Awaitable<Result<void>> Composition::restore_force() {
 Awaitable<Result<void>> Composition::restore_model() {
   DRIFTWISE_CO_TRY(auto history, co_await reader.models().promotions());
   if (history.empty() || !history.back().model) co_return Result<void>{};
-  auto record = co_await models.get(*history.back().model);
-  if (!record) {
-    // Not another model in its place: targets are refused until a person promotes one.
-    serving.refuse(*history.back().model, record.error());
-    co_return tl::unexpected(record.error());
-  }
-  if (auto ok = co_await serving.serve(std::move(*record)); !ok) co_return ok;
+  const ModelId promoted = *history.back().model;
+  // Not another model in its place: targets are refused until a person promotes one.
+  const auto refused = [&](const Error& error) {
+    serving.refuse(promoted, error);
+    return Result<void>(tl::unexpected(error));
+  };
+  auto record = co_await models.get(promoted);
+  if (!record) co_return refused(record.error());
+  if (auto ok = co_await serving.serve(std::move(*record)); !ok) co_return refused(ok.error());
   checks.served_another(true);
   co_return Result<void>{};
 }

@@ -12,7 +12,7 @@
 #include "server/application/models/fit_options.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/run_on.h"
-#include "server/application/provenance/data_of_model.h"
+#include "server/application/provenance/promotion_material.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/reasons.h"
@@ -36,17 +36,17 @@ struct AcceptMaterial {  // read from the store
   std::vector<CorrectionId> corrections;  // in force over them
   std::vector<std::string> changed;       // corrections of them, since they were diagnosed
   std::optional<ModelRecord> parent;
-  std::vector<DataOfModel> of_runs;   // where the model is to serve
-  std::vector<RunMetadata> metadata;  // likewise
+  PromotionMaterial of_runs;  // where the model is to serve
 };
 
 struct MadeExtension {  // by the worker
   ExtensionPlan plan;
   ModelRecord model;
-  std::vector<std::string> questions, for_a_reason;  // before it is promoted; the latter among them
+  PromotionQuestions asked;  // before it is promoted
 };
 
-Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& request) {
+Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& request,
+                                        const CellDescription* present) {
   AcceptMaterial material;
   DRIFTWISE_TRY(auto record, store.diagnoses().diagnosis(request.diagnosis));
   material.record = std::move(record);
@@ -79,13 +79,9 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
                 corrections_since(store, material.record.runs, material.record.created));
   material.changed = std::move(changed);
   if (request.promote) {
-    DRIFTWISE_TRY(auto of_runs,
-                  data_of_model(store, material.record.runs, material.record.created));
+    DRIFTWISE_TRY(auto of_runs, promotion_material(store, material.record.runs,
+                                                   material.record.created, *present));
     material.of_runs = std::move(of_runs);
-    for (const RunId run : material.record.runs) {
-      DRIFTWISE_TRY(auto of_run, store.runs().run(run));
-      material.metadata.push_back(std::move(of_run.metadata));
-    }
   }
   if (material.record.model) {
     DRIFTWISE_TRY(auto parent, store.models().model(*material.record.model));
@@ -153,31 +149,27 @@ Result<ExtensionPlan> plan_of(const AcceptMaterial& material) {
 }
 
 Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
-                                     const CellDescription& cell) {
+                                     const CellDescription& cell, const Clock& clock) {
   DRIFTWISE_TRY(auto plan, plan_of(material));
   DRIFTWISE_RETURN_IF_ERROR(put_in_force(plan, material.data));
   DRIFTWISE_TRY(auto model, fit_extension(plan, material.data.data, fit_of(material, plan)));
-  std::vector<std::string> questions, for_a_reason;
+  PromotionQuestions asked;
   if (promote) {  // whether it can serve is seen before anything is kept
     DRIFTWISE_TRY(auto whole, formats::read_model_json(model.json));
-    for_a_reason = accuracy_questions(whole, material.metadata);
-    for (auto& asked : {for_a_reason, origin_questions(whole, material.of_runs, cell),
-                        campaign_questions(whole, material.of_runs, cell, false),
-                        temperature_questions(whole, cell)})
-      questions.insert(questions.end(), asked.begin(), asked.end());
+    asked = questions_before_serving(whole, material.of_runs, cell,
+                                     [&clock](CellTime at) { return clock.utc(at); });
     DRIFTWISE_RETURN_IF_ERROR(
         compensation::SnapshotBuilder::create(std::move(whole), ModelId{}, cell));
   }
-  return MadeExtension{std::move(plan), std::move(model), std::move(questions),
-                       std::move(for_a_reason)};
+  return MadeExtension{std::move(plan), std::move(model), std::move(asked)};
 }
 
 // Without a fit where none is needed: what changes, and what a promotion would ask.
 Result<MadeExtension> previewed(const AcceptMaterial& material, bool promote,
-                                const CellDescription& cell) {
-  if (promote) return make_extension(material, promote, cell);
+                                const CellDescription& cell, const Clock& clock) {
+  if (promote) return make_extension(material, promote, cell, clock);
   DRIFTWISE_TRY(auto plan, plan_of(material));
-  return MadeExtension{std::move(plan), {}, {}, {}};
+  return MadeExtension{std::move(plan), {}, {}};
 }
 
 std::vector<std::string> sentences_of(const correction::DataAmendment& amendment) {
@@ -283,19 +275,20 @@ Result<std::vector<ModelId>> withdrawn_models(Store& store, DiagnosisId undoing)
 }  // namespace
 
 Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, AcceptRequest request) {
-  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request));
+  const auto changing_data = co_await changing_.lock();  // what is in force stays that to the end
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request, &description_));
   auto shared = std::make_shared<AcceptMaterial>(std::move(material));
   DRIFTWISE_CO_TRY(auto made, co_await run_on(
                                   worker_,
-                                  [promote = request.promote, cell = &description_](
-                                      const std::shared_ptr<AcceptMaterial>& from) {
-                                    return make_extension(*from, promote, *cell);
+                                  [promote = request.promote, cell = &description_,
+                                   clock = &clock_](const std::shared_ptr<AcceptMaterial>& from) {
+                                    return make_extension(*from, promote, *cell, *clock);
                                   },
                                   shared));
 
   if (request.promote && !request.confirmed)
-    DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(made.questions));
-  if (request.reason.empty()) DRIFTWISE_CO_RETURN_IF_ERROR(reason_for(made.for_a_reason));
+    DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(made.asked.all));
+  if (request.reason.empty()) DRIFTWISE_CO_RETURN_IF_ERROR(reason_for(made.asked.for_a_reason));
   auto changing = changes_in_all_runs(made.plan.amendment, shared->record.runs);
   DRIFTWISE_CO_TRY(auto changes, co_await std::move(changing));
 
@@ -315,6 +308,8 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, Acce
   fresh.at = clock_.now();
   fresh.who = caller.name;
   fresh.from = caller.peer;
+  std::optional<AsyncMutex::Lock> serving_turn;
+  if (request.promote) serving_turn.emplace(co_await promotions_.turn());
   auto stored = co_await writer_.extensions().accept(fresh);
   if (!stored) co_return stored;
   auto detail =
@@ -337,13 +332,13 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, Acce
 }
 
 Awaitable<Result<ExtensionPreview>> ExtensionsService::preview(AcceptRequest request) {
-  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request));
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request, &description_));
   const auto shared = std::make_shared<AcceptMaterial>(std::move(material));
   DRIFTWISE_CO_TRY(auto made, co_await run_on(
                                   worker_,
-                                  [promote = request.promote, cell = &description_](
-                                      const std::shared_ptr<AcceptMaterial>& from) {
-                                    return previewed(*from, promote, *cell);
+                                  [promote = request.promote, cell = &description_,
+                                   clock = &clock_](const std::shared_ptr<AcceptMaterial>& from) {
+                                    return previewed(*from, promote, *cell, *clock);
                                   },
                                   shared));
   const auto& plan = made.plan;
@@ -373,8 +368,8 @@ Awaitable<Result<ExtensionPreview>> ExtensionsService::preview(AcceptRequest req
           fmt::format("finding {}: {}: where the period is another, what is accepted is wrong "
                       "everywhere else",
                       number, note));
-  preview.promotion_questions = made.questions;
-  preview.questions_for_a_reason = made.for_a_reason;
+  preview.promotion_questions = made.asked.all;
+  preview.questions_for_a_reason = made.asked.for_a_reason;
   preview.sentences =
       sentences_of(preview, request.promote, with_instruments(plan.amendment), clock_);
   co_return preview;
@@ -409,6 +404,8 @@ Awaitable<Result<std::vector<LengthChange>>> ExtensionsService::changes_in_all_r
 Awaitable<Result<ExtensionRecord>> ExtensionsService::undo(Caller caller, DiagnosisId id) {
   // Where its model serves, whoever promoted it, the one before serves again that is not undone
   // itself. In the same transaction.
+  const auto changing_data = co_await changing_.lock();
+  const auto serving_turn = co_await promotions_.turn();
   std::optional<PromotionRecord> rollback;
   std::optional<ModelRecord> previous, present;
   DRIFTWISE_CO_TRY(const auto view, co_await diagnoses_.get(id));

@@ -9,6 +9,7 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/serving/serving.h"
+#include "server/core/ports/async_mutex.h"
 #include "server/correction/data_amendment.h"
 
 namespace driftwise::application {
@@ -16,10 +17,12 @@ namespace driftwise::application {
 class ExtensionsService final : public Extensions {
  public:
   // worker: where models are fitted. All of them outlive this.
-  ExtensionsService(const CellDescription& description, Clock& clock, StoreReader& reader,
-                    StoreWriter& writer, EventLog& events, Diagnoses& diagnoses, Models& models,
-                    PromotionsService& promotions, Serving& serving, asio::any_io_executor worker)
-      : description_(description),
+  ExtensionsService(const asio::any_io_executor& executor, const CellDescription& description,
+                    Clock& clock, StoreReader& reader, StoreWriter& writer, EventLog& events,
+                    Diagnoses& diagnoses, Models& models, PromotionsService& promotions,
+                    Serving& serving, asio::any_io_executor worker)
+      : changing_(executor),
+        description_(description),
         clock_(clock),
         reader_(reader),
         writer_(writer),
@@ -38,6 +41,8 @@ class ExtensionsService final : public Extensions {
   Awaitable<Result<std::vector<LengthChange>>> changes_in_all_runs(
       correction::DataAmendment amendment, std::vector<RunId> diagnosed);
 
+  // Held from the look at what is in force to the end of what changes it.
+  AsyncMutex changing_;
   const CellDescription& description_;
   Clock& clock_;
   StoreReader& reader_;

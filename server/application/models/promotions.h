@@ -21,9 +21,10 @@ class Promotions {
   // questions; REASON_REQUIRED, with those that confirmed alone does not answer.
   virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed = false,
                                                  std::string reason = {}) = 0;
-  // To the model that served before; none: no model serves. Errors: failed_precondition
-  // NOTHING_TO_ROLL_BACK.
-  virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) = 0;
+  // To the model that served before; none: no model serves. from: the one that the caller saw
+  // serve. Errors: failed_precondition NOTHING_TO_ROLL_BACK; STALE (another than `from` serves).
+  virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(
+      Caller caller, std::optional<ModelId> from = {}) = 0;
 };
 
 }  // namespace driftwise::application

@@ -82,6 +82,7 @@ Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId
     events_.record(
         caller, "model.confirmed",
         fmt::format("{} promotes model {} although {}", caller.name, id.value, question));
+  const auto held = co_await turn();
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(caller, *record, "promote"));
   if (!reason.empty())
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep_reason(std::move(caller), id, std::move(reason)));
@@ -105,7 +106,17 @@ Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::served_before(
   co_return previous;
 }
 
-Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::roll_back(Caller caller) {
+Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::roll_back(
+    Caller caller, std::optional<ModelId> from) {
+  const auto held = co_await turn();
+  if (from && serving_.model() != from)
+    co_return fail(
+        ErrorCode::failed_precondition, reasons::kStale,
+        fmt::format("{} serves by now, where model {} was to be taken back: nothing was rolled "
+                    "back; look at the list of promotions, then try again",
+                    serving_.model() ? fmt::format("model {}", serving_.model()->value)
+                                     : std::string("no model"),
+                    from->value));
   auto finding = served_before();
   auto previous = co_await std::move(finding);
   if (!previous) co_return previous;

@@ -9,6 +9,7 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/provenance/provenance.h"
 #include "server/application/serving/serving.h"
+#include "server/core/ports/async_mutex.h"
 
 namespace driftwise::application {
 
@@ -16,10 +17,11 @@ class PromotionsService final : public Promotions {
  public:
   // served_another: called when another model, or none (false), has begun to serve. All of them
   // outlive this.
-  PromotionsService(Clock& clock, StoreReader& reader, StoreWriter& writer, EventLog& events,
-                    Models& models, Provenance& provenance, Serving& serving,
-                    std::function<void(bool)> served_another)
-      : clock_(clock),
+  PromotionsService(const asio::any_io_executor& executor, Clock& clock, StoreReader& reader,
+                    StoreWriter& writer, EventLog& events, Models& models, Provenance& provenance,
+                    Serving& serving, std::function<void(bool)> served_another)
+      : changing_(executor),
+        clock_(clock),
         reader_(reader),
         writer_(writer),
         events_(events),
@@ -30,7 +32,12 @@ class PromotionsService final : public Promotions {
 
   Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed,
                                          std::string reason) override;
-  Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
+  Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller,
+                                                          std::optional<ModelId> from) override;
+
+  // Whoever changes which model serves, on record and in memory, holds this from the decision to
+  // the end.
+  Awaitable<AsyncMutex::Lock> turn() { return changing_.lock(); }
 
   // What a roll-back would serve; without: models that are passed over. Errors: failed_precondition
   // NOTHING_TO_ROLL_BACK.
@@ -43,9 +50,11 @@ class PromotionsService final : public Promotions {
   Awaitable<Result<void>> keep_reason(Caller caller, ModelId id, std::string reason);
 
  private:
+  // In the caller's turn.
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
                                          std::string action);
 
+  AsyncMutex changing_;
   Clock& clock_;
   StoreReader& reader_;
   StoreWriter& writer_;

@@ -47,8 +47,10 @@ class Plans {
   // confirmed: a person has read the questions. Errors: those of PlanCheck::refusal;
   // NEEDS_CONFIRMATION; PLAN_DAMAGED.
   virtual Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed) = 0;
-  // To the plan that served before; none: no plan serves. Errors: NOTHING_TO_ROLL_BACK.
-  virtual Awaitable<Result<std::optional<PlanRecord>>> roll_back(Caller caller) = 0;
+  // To the plan that served before; none: no plan serves. from: the one that the caller saw
+  // serve. Errors: failed_precondition NOTHING_TO_ROLL_BACK; STALE (another than `from` serves).
+  virtual Awaitable<Result<std::optional<PlanRecord>>> roll_back(
+      Caller caller, std::optional<PlanId> from = {}) = 0;
 };
 
 }  // namespace driftwise::application

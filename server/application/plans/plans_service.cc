@@ -228,12 +228,21 @@ Awaitable<Result<PlanRecord>> PlansService::promote(Caller caller, PlanId id, bo
   for (const auto& question : questions)
     events_.record(caller, "plan.confirmed",
                    fmt::format("{} promotes plan {} although {}", caller.name, id.value, question));
+  const auto held = co_await changing_.lock();
   auto putting = put_in_service(std::move(caller), record, "promote");
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(putting));
   co_return record;
 }
 
-Awaitable<Result<std::optional<PlanRecord>>> PlansService::roll_back(Caller caller) {
+Awaitable<Result<std::optional<PlanRecord>>> PlansService::roll_back(Caller caller,
+                                                                     std::optional<PlanId> from) {
+  const auto held = co_await changing_.lock();
+  if (from && serving_.plan() != from)
+    co_return fail(
+        ErrorCode::failed_precondition, reasons::kStale,
+        fmt::format("{} serves by now, where plan {} was to be taken back: nothing was rolled "
+                    "back; look at the list of promotions, then try again",
+                    serving_.plan() ? plan_name(serving_.plan()) : "no plan", from->value));
   DRIFTWISE_CO_TRY(const auto history, co_await reader_.plans().plan_promotions());
   const auto served = plans_served(history);
   if (served.ids().empty())

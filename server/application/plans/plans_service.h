@@ -10,16 +10,19 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/provenance/provenance.h"
+#include "server/core/ports/async_mutex.h"
 
 namespace driftwise::application {
 
 class PlansService final : public Plans {
  public:
   // All of them outlive this.
-  PlansService(const CellDescription& description, Clock& clock, StoreReader& reader,
-               StoreWriter& writer, EventLog& events, Models& models, Provenance& provenance,
-               JointServing& serving, asio::any_io_executor worker)
-      : description_(description),
+  PlansService(const asio::any_io_executor& executor, const CellDescription& description,
+               Clock& clock, StoreReader& reader, StoreWriter& writer, EventLog& events,
+               Models& models, Provenance& provenance, JointServing& serving,
+               asio::any_io_executor worker)
+      : changing_(executor),
+        description_(description),
         clock_(clock),
         reader_(reader),
         writer_(writer),
@@ -35,7 +38,8 @@ class PlansService final : public Plans {
   Awaitable<Result<PlanView>> get(PlanId id) override;
   Awaitable<Result<PlanReport>> check(std::optional<PlanId> id, std::string text) override;
   Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed) override;
-  Awaitable<Result<std::optional<PlanRecord>>> roll_back(Caller caller) override;
+  Awaitable<Result<std::optional<PlanRecord>>> roll_back(Caller caller,
+                                                         std::optional<PlanId> from) override;
 
   // Serves what was promoted last, after a start of the daemon.
   Awaitable<Result<void>> restore();
@@ -52,9 +56,12 @@ class PlansService final : public Plans {
   Awaitable<Result<std::vector<plans::PlanFinding>>> questions_of_models(
       const Loaded& loaded) const;
   Awaitable<Result<plans::ServingPlan>> whole_plan(const PlanRecord& record) const;
+  // In the caller's turn.
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<PlanRecord> next,
                                          std::string action);
 
+  // Held from the decision which plan serves until it is on record and serves.
+  AsyncMutex changing_;
   const CellDescription& description_;
   Clock& clock_;
   StoreReader& reader_;

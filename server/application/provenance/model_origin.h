@@ -11,7 +11,7 @@
 namespace driftwise::application {
 
 struct ModelOrigin {
-  // The first of the runs it was fitted from: its constant belongs there.
+  // The first, in time, of the runs it was fitted from: its constant belongs there.
   std::optional<DatumId> own_datum;
   std::vector<std::string> symbols;  // that its outputs and terms read
   // All of its runs were measured under the present cell file, to their end.

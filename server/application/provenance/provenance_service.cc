@@ -6,9 +6,7 @@
 #include "server/application/datasets/extension_preview.h"
 #include "server/application/datasets/instruments.h"
 #include "server/application/datasets/joined_runs.h"
-#include "server/application/provenance/data_of_model.h"
-#include "server/application/provenance/promotion_questions.h"
-#include "server/application/provenance/stored_description.h"
+#include "server/application/provenance/promotion_material.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
@@ -51,23 +49,8 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
   DRIFTWISE_TRY(const auto model, formats::read_model_json(record.json));
   ModelGround ground;
   ground.present_hash = present.hash;
-  for (const RunId run : model.lineage.runs) {
-    DRIFTWISE_TRY(const auto used, store.configurations().of_run(run));
-    for (const auto& one : used)
-      if (one.from <= record.created &&
-          std::ranges::find(ground.configurations, one.hash, &UsedConfiguration::hash) ==
-              ground.configurations.end())
-        ground.configurations.push_back(one);
-  }
-  std::ranges::stable_sort(ground.configurations, {}, &UsedConfiguration::from);
-  if (!ground.configurations.empty()) {
-    const auto& last = ground.configurations.back().hash;
-    ground.measured_under = stored_description(store, last, present);
-    if (last != present.hash) {
-      DRIFTWISE_TRY(const auto text, store.configurations().text(last));
-      ground.changes_since = formats::cell_file_difference(text, present);
-    }
-  }
+  DRIFTWISE_TRY(auto material,
+                promotion_material(store, model.lineage.runs, record.created, present));
   DRIFTWISE_TRY(const auto corrections, store.extensions().corrections());
   for (const auto& correction : corrections)
     if (std::ranges::find(record.corrections, correction.id) != record.corrections.end()) {
@@ -76,23 +59,15 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
         return std::ranges::find(model.lineage.runs, change.run) == model.lineage.runs.end();
       });
     }
-  DRIFTWISE_TRY(const auto data, data_of_model(store, model.lineage.runs, record.created));
-  DRIFTWISE_TRY(const bool judged_later, is_judged_later(store, record));
-  std::vector<RunMetadata> metadata;
-  for (const RunId run : model.lineage.runs) {
-    DRIFTWISE_TRY(auto of_run, store.runs().run(run));
-    metadata.push_back(std::move(of_run.metadata));
-  }
-  ground.questions_for_a_reason = accuracy_questions(model, metadata);
-  for (auto& questions :
-       {ground.questions_for_a_reason, imported_geometry_questions(model),
-        origin_questions(model, data, present),
-        campaign_questions(model, data, present, judged_later),
-        temperature_questions(model, present),
-        correction_questions(ground.corrections, [&clock](CellTime at) { return clock.utc(at); }),
-        configuration_questions(model, ground.changes_since)})
-    ground.promotion_questions.insert(ground.promotion_questions.end(), questions.begin(),
-                                      questions.end());
+  DRIFTWISE_TRY(material.judged_later, is_judged_later(store, record));
+  material.rests_on = ground.corrections;
+  auto asked = questions_before_serving(model, material, present,
+                                        [&clock](CellTime at) { return clock.utc(at); });
+  ground.configurations = std::move(material.configurations);
+  ground.measured_under = std::move(material.measured_under);
+  ground.changes_since = std::move(material.changes_since);
+  ground.promotion_questions = std::move(asked.all);
+  ground.questions_for_a_reason = std::move(asked.for_a_reason);
   return ground;
 }
 

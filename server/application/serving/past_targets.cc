@@ -13,13 +13,6 @@ namespace {
 
 constexpr Nanoseconds kReadBack = std::chrono::hours(6);  // in the same means as the answer
 
-std::vector<std::string> slow_channels(const compensation::Snapshot& snapshot) {
-  std::vector<std::string> out;
-  for (const auto& input : snapshot.inputs)
-    if (!input.variable && !input.output) out.push_back(input.channel.name());
-  return out;
-}
-
 std::vector<ChannelValue> values_of(const SeriesAnswer& series, std::size_t bucket) {
   std::vector<ChannelValue> out;
   for (const auto& column : series.columns)
@@ -79,7 +72,7 @@ Result<PastTargets> past_targets(Store& store, const CellDescription& cell, Past
   for (const auto& output : empty.outputs) out.tracks.push_back({output.channel, {}});
 
   SeriesQuery wanted;
-  wanted.channels = slow_channels(empty);
+  wanted.channels = builder.slow_channels();
   if (wanted.channels.empty()) return out;
   wanted.from = now - query.past - kReadBack;
   if (builder.memory() > kReadBack) {

@@ -77,6 +77,7 @@ Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
   }
   refused_.reset();
   rebuild();
+  forget_others();
   co_return Result<void>{};
 }
 
@@ -89,10 +90,18 @@ void Serving::refuse(ModelId model, Error why) {
 }
 
 Awaitable<Result<void>> Serving::follow(ModelRecord model) {
+  compensating_ = model.id;
   if (followed_.contains(model.id)) co_return Result<void>{};
   DRIFTWISE_CO_TRY(auto loaded, co_await load(model));
   followed_.insert_or_assign(model.id, std::move(loaded));
+  forget_others();
   co_return Result<void>{};
+}
+
+void Serving::forget_others() {
+  std::erase_if(followed_, [this](const auto& one) {
+    return one.first != serving_ && one.first != compensating_;
+  });
 }
 
 void Serving::doubt(std::optional<ModelId> model) {
@@ -129,12 +138,8 @@ void Serving::set_anchor(ModelId id, Followed& followed) {
 void Serving::observe(const Reading& reading) {
   for (auto& [id, followed] : followed_) followed.builder.observe(reading);
   if (!serving_ || clock_.now().utc - built_at_ < kShortestRebuild) return;
-  const auto& domain = followed_.at(*serving_).builder.model().domain;
-  for (const auto& range : domain)
-    if (!is_pose_symbol(range.channel.symbol) && reading.find(range.channel.name())) {
-      rebuild();
-      return;
-    }
+  for (const auto& channel : followed_.at(*serving_).builder.observed_channels())
+    if (reading.find(channel)) return rebuild();
 }
 
 compensation::Snapshot Serving::snapshot_of(const Followed& followed, CellTime now) const {

@@ -37,8 +37,8 @@ class Serving final : public Targets {
   // This model should serve and cannot: every target is refused with this error, and no other model
   // takes its place, until serve().
   void refuse(ModelId model, Error why);
-  // Follows a model for a compensated run, beside the one that serves. Does nothing when it is
-  // followed already.
+  // Follows a model for a compensated run, beside the one that serves, until another run's is
+  // followed. Does nothing when it is followed already.
   Awaitable<Result<void>> follow(ModelRecord model);
   // Measurements disagree with this model: its targets say so. None: with no model.
   void doubt(std::optional<ModelId> model);
@@ -76,6 +76,8 @@ class Serving final : public Targets {
   compensation::Snapshot snapshot_of(const Followed& followed, CellTime now) const;
   Awaitable<Result<Followed>> load(ModelRecord model);
   void set_anchor(ModelId id, Followed& followed);
+  // Drops the models that neither serve nor compensate the run that was prepared last.
+  void forget_others();
   void observe(const Reading& reading);
   void rebuild();
   Awaitable<void> rebuild_for_ever();
@@ -91,8 +93,8 @@ class Serving final : public Targets {
   compensation::SnapshotBoard board_;
   WatchList<> watchers_;
   std::map<ModelId, Followed> followed_;
-  std::optional<ModelId> serving_;
-  std::optional<Error> refused_;  // nothing serves because of this
+  std::optional<ModelId> serving_, compensating_;  // compensating: the run prepared last
+  std::optional<Error> refused_;                   // nothing serves because of this
   std::optional<ModelId> doubtful_;
   std::optional<DatumRecord> datum_;
   std::shared_ptr<void> watch_;

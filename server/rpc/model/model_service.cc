@@ -147,10 +147,13 @@ class ModelService final : public v1::ModelService::CallbackService {
     });
   }
 
-  Reactor* RollBackModel(Context* context, const v1::RollBackModelRequest*,
+  Reactor* RollBackModel(Context* context, const v1::RollBackModelRequest* request,
                          v1::RollBackModelResponse* response) override {
-    return answer(host_, context, [this, context, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto record, co_await promotions_.roll_back(caller_of(*context)));
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      std::optional<ModelId> from;
+      if (request->has_serving_model_id()) from = ModelId{request->serving_model_id()};
+      auto rolling = promotions_.roll_back(caller_of(*context), from);
+      DRIFTWISE_CO_TRY(const auto record, co_await std::move(rolling));
       if (!record) co_return Result<void>{};
       co_return put(whole(*record), *response->mutable_model());
     });

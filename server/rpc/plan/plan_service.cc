@@ -95,10 +95,12 @@ class PlanService final : public v1::PlanService::CallbackService {
     });
   }
 
-  Reactor* RollBackPlan(Context* context, const v1::RollBackPlanRequest*,
+  Reactor* RollBackPlan(Context* context, const v1::RollBackPlanRequest* request,
                         v1::RollBackPlanResponse* response) override {
-    return answer(host_, context, [this, context, response]() -> Awaitable<Result<void>> {
-      auto rolling = plans_.roll_back(caller_of(*context));
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      std::optional<PlanId> from;
+      if (request->has_serving_plan_id()) from = PlanId{request->serving_plan_id()};
+      auto rolling = plans_.roll_back(caller_of(*context), from);
       DRIFTWISE_CO_TRY(const auto plan, co_await std::move(rolling));
       if (plan) *response->mutable_plan() = plan_from(*plan, true);
       co_return Result<void>{};

@@ -357,6 +357,36 @@ TEST(GeometryModel, CountsADeltaFromTheZeroOfTheDatum) {
   EXPECT_EQ(target.flags & kUnanchoredDatum, 0u);
 }
 
+// The rules of a cell for targets hold for the pose that its motors give, too.
+TEST(GeometryModel, RefusesThePoseOfMotorsOutsideTheDomainWhereTheCellRefuses) {
+  auto model = imported(small_delta());
+  for (const char* symbol : {"x", "y", "z"}) model.domain.push_back({{symbol, "mm"}, -1, 1});
+  TargetRequest far_off;
+  far_off.set(Variable::x, 3);
+  far_off.set(Variable::y, 0);
+  far_off.set(Variable::z, 0);
+  for (const bool refuses : {false, true}) {
+    CellDescription cell;
+    cell.serving.refuse_outside_domain = refuses;
+    auto builder = SnapshotBuilder::create(model, ModelId{1}, cell);
+    ASSERT_TRUE(builder) << builder.error().message;
+    builder->keep_model_datum();
+    auto snapshot = builder->build(kBuilt);
+    const auto forward = forward_pose(snapshot, [&] {
+      Snapshot open = snapshot;
+      open.refuse_outside_domain = false;
+      const auto target = compute_target(open, far_off);
+      ForwardRequest motors;
+      motors.q_mm.assign(target.q_mm.begin(), target.q_mm.begin() + 3);
+      return motors;
+    }());
+    EXPECT_EQ(forward.has_value(), !refuses);
+    if (!forward) {
+      EXPECT_EQ(forward.error().reason, refusal_of(snapshot, far_off).reason);
+    }
+  }
+}
+
 TEST(GeometryModel, RefusesAPoseThatADeltaDoesNotReach) {
   const auto snapshot = serving(imported(small_delta())).build(kBuilt);
   TargetRequest request;

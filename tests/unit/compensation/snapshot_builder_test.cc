@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "server/compensation/model_budget.h"
 #include "server/compensation/own_variance.h"
 #include "server/compensation/target.h"
 #include "tests/unit/compensation/models.h"
@@ -433,6 +434,15 @@ TEST(SnapshotBuilder, ServesAModelFittedInKelvinFromAThermometerInDegrees) {
   EXPECT_NEAR(one.q_mm[0], other.q_mm[0], 1e-12);
   EXPECT_EQ(one.flags, 0U);
   EXPECT_NEAR(one.u_nm[0], other.u_nm[0], 1e-6 * other.u_nm[0]);
+}
+
+TEST(SnapshotBuilder, StatesTheBudgetOfAModelFittedInKelvin) {
+  auto kelvin = axis_model();
+  kelvin.domain[1] = {{"t07", "K"}, 293.15, 295.15};
+  const auto snapshot = model_snapshot(kelvin, axis_cell());
+  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  EXPECT_EQ(snapshot->missing, 0U);
+  EXPECT_NEAR(snapshot->inputs.back().value, 294.15, 1e-9);
 }
 
 TEST(SnapshotBuilder, IgnoresAReadingThatArrivesLate) {

@@ -200,12 +200,14 @@ std::vector<std::string> facts_of_return(const Connection& connection, std::int6
 
 ExitCode roll_back(const Session& session, bool yes) {
   const auto connection = session.connect();
-  confirm_rollback(
+  const auto serving = confirm_rollback(
       session.console, yes,
       served_models(connection.ask(&ModelStub::ListPromotions, v1::ListPromotionsRequest{})),
       {"model", "every target is refused (NO_MODEL)",
        [&](std::int64_t id) { return facts_of_return(connection, id); }});
-  const auto response = connection.ask(&ModelStub::RollBackModel, v1::RollBackModelRequest{});
+  v1::RollBackModelRequest request;
+  if (serving) request.set_serving_model_id(*serving);
+  const auto response = connection.ask(&ModelStub::RollBackModel, request);
   return serving_now(session, response.has_model(), response.model());
 }
 

@@ -213,10 +213,13 @@ std::vector<std::string> facts_of_plan(const Connection& connection, std::int64_
 
 ExitCode roll_back_plan(const Session& session, bool yes) {
   const auto connection = session.connect();
-  confirm_rollback(session.console, yes, served_plans(connection),
-                   {"plan", "every joint target is refused (NO_PLAN)",
-                    [&](std::int64_t id) { return facts_of_plan(connection, id); }});
-  const auto response = connection.ask(&PlanStub::RollBackPlan, v1::RollBackPlanRequest{}, 60);
+  const auto serving =
+      confirm_rollback(session.console, yes, served_plans(connection),
+                       {"plan", "every joint target is refused (NO_PLAN)",
+                        [&](std::int64_t id) { return facts_of_plan(connection, id); }});
+  v1::RollBackPlanRequest request;
+  if (serving) request.set_serving_plan_id(*serving);
+  const auto response = connection.ask(&PlanStub::RollBackPlan, request, 60);
   if (session.console.json)
     session.console.print_json(
         {{"plan", response.has_plan() ? json_from(response.plan()) : nullptr}});

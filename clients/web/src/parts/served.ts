@@ -26,12 +26,12 @@ export interface Serving {
   none: string; // what follows where none serves
   history: () => Promise<Served[]>;
   look: (id: bigint) => Promise<{ facts: NonNullable<Question['facts']>; against: readonly string[] }>; // of what would serve again
-  rollBack: () => Promise<unknown>;
+  rollBack: (from: bigint) => Promise<unknown>; // the daemon refuses where another serves by then
 }
 
 export const servedText = (what: string, id: bigint | undefined) => (id === undefined ? `no ${what}` : `${what} ${id}`);
 
-// Asked and answered of the same history: a promotion or rollback of somebody else in between is no part of the answer.
+// The answer is to the history that was shown: with a promotion or rollback of somebody else in between nothing is rolled back.
 export async function rollBack({ what, affected, none, history, look, rollBack: act }: Serving): Promise<void> {
   const { now, before } = servedBefore(await history());
   if (now === undefined) return;
@@ -47,5 +47,5 @@ export async function rollBack({ what, affected, none, history, look, rollBack: 
   const present = servedBefore(await history());
   if (present.now !== now || present.before !== before)
     throw new ConnectError(`nothing was rolled back: ${servedText(what, present.now)} serves by now, where you were asked about ${what} ${now}; look at the list, then try again`, Code.FailedPrecondition);
-  await act();
+  await act(now);
 }

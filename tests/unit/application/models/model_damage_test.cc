@@ -86,6 +86,24 @@ TEST_F(ModelDamage, ATextThatIsNoModelAnyMoreIsRefusedToo) {
   EXPECT_THAT(*cell->await((*cell)->models.list()), SizeIs(1));
 }
 
+// As a version before the refusal promoted it.
+TEST_F(ModelDamage, AModelThatThisVersionCannotServeIsRefusedWithItsReason) {
+  const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
+  cell->finish_run();
+  application::FitRequest request;
+  request.runs = {run.id};
+  request.formula = "q1 ~ x + drift()";
+  request.select = "all";
+  const auto model = cell->await((*cell)->models.fit(cell->ada, request));
+  ASSERT_TRUE(model) << model.error().message;
+  EXPECT_EQ(cell->await((*cell)->promotions.promote(cell->ada, model->id, true)).error().reason,
+            "TERM_NOT_SERVABLE");
+  restart_after("INSERT INTO promotion (model_id, at_ns, by_whom, action) VALUES (" +
+                std::to_string(model->id.value) + ", 1, 'ada', 'promote')");
+  EXPECT_EQ(refusal().reason, "TERM_NOT_SERVABLE");
+  EXPECT_THAT(cell->events_named("serving.refused"), SizeIs(1));
+}
+
 TEST_F(ModelDamage, AnUndamagedModelServesAgainAfterARestart) {
   const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
   cell->finish_run();

@@ -349,6 +349,66 @@ TEST_F(ServingTest, APromotionOfTheModelThatServesAlreadyWritesNothing) {
   EXPECT_FALSE(*none) << "one promotion is taken back by one rollback";
 }
 
+// The rows are joined in the order of time, so that the constant belongs to the earliest zero.
+TEST_F(ServingTest, AModelOfSeveralRunsIsTheSameInWhateverOrderTheyWereNamed) {
+  cell.begin_run(lines_of(12, {-4, -2, 1, 3, 4}, true));
+  cell.finish_run();
+  cell.pass(1800);
+  world.homing_nm = 3000;  // another zero
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  cell.begin_run(lines_of(12, {-4, -2, 1, 3, 4}, true));
+  cell.finish_run();
+  std::vector<double> q_mm;
+  for (const auto& runs : {std::vector{RunId{1}, RunId{2}}, std::vector{RunId{2}, RunId{1}}}) {
+    application::FitRequest fit;
+    fit.runs = runs;
+    fit.formula = "q1 ~ x + t01";
+    const auto model = cell.await(cell->models.fit(cell.ada, fit));
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model->id, true)));
+    q_mm.push_back(target_mm(0.0));
+  }
+  EXPECT_NEAR(q_mm[0], q_mm[1], 1e-9);
+}
+
+TEST_F(ServingTest, OfAModelThatServesNoLongerNoZeroIsAskedFor) {
+  cell.begin_run(lines_of(12, {-4, -2, 1, 3, 4}, true));
+  cell.finish_run();
+  application::FitRequest foreign;
+  foreign.formula = "q1 ~ x + t99";  // which this cell does not read
+  foreign.csv = "q1_mm,x_mm,t99_degC\n";
+  for (int i = 0; i < 40; ++i)
+    foreign.csv += fmt::format("{},{},{}\n", i + 1e-4 * (i % 7) + 1e-6 * (i % 3), i, 20 + i % 7);
+  const auto other = cell.await(cell->models.fit(cell.ada, foreign));
+  ASSERT_TRUE(other) << other.error().message;
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, other->id, true)));
+  application::FitRequest own;
+  own.runs = {RunId{1}};
+  own.formula = "q1 ~ x + t01";
+  const auto model = *cell.await(cell->models.fit(cell.ada, own));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
+  const auto before = cell.events_named("serving.unanchored").size();
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  EXPECT_EQ(cell.events_named("serving.unanchored").size(), before);
+}
+
+TEST_F(ServingTest, ARollbackTakesBackTheModelThatItWasAskedAbout) {
+  const auto first = fit_after_campaign();
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, first.id, true)));
+  application::FitRequest fit;
+  fit.runs = {RunId{1}};
+  fit.formula = "q1 ~ x";
+  const auto second = cell.await(cell->models.fit(cell.ada, fit));
+  ASSERT_TRUE(second) << second.error().message;
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, second->id, true)));
+  const auto refused = cell.await(cell->promotions.roll_back(cell.ada, first.id));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "STALE");
+  EXPECT_EQ(cell.status().serving, second->id);
+  ASSERT_TRUE(cell.await(cell->promotions.roll_back(cell.ada, second->id)));
+  EXPECT_EQ(cell.status().serving, first.id);
+}
+
 TEST_F(ServingTest, TheSameFitAgainIsTheSameModel) {
   const auto model = fit_after_campaign();
   application::FitRequest fit;
@@ -359,8 +419,7 @@ TEST_F(ServingTest, TheSameFitAgainIsTheSameModel) {
   const auto events = cell.events_named("model.fitted");
   ASSERT_EQ(events.size(), 2);
   EXPECT_EQ(events[0].find("again"), std::string::npos) << events[0];
-  EXPECT_NE(events[1].find("stored as '" + model.name + "'"), std::string::npos)
-      << events[1];
+  EXPECT_NE(events[1].find("stored as '" + model.name + "'"), std::string::npos) << events[1];
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ const model: Serving = {
       against: [...page.promotionQuestions, ...(doubt === undefined ? [] : [doubt])],
     };
   },
-  rollBack: () => modelApi().rollBackModel({}),
+  rollBack: (servingModelId) => modelApi().rollBackModel({ servingModelId }),
 };
 
 // promotions: newest first, as the list shows them.

@@ -23,5 +23,5 @@ export const servingPlan = (plans: readonly Plan[]): Serving => ({
   // The history is that of all plans, whichever is asked for.
   history: async () => (plans[0] ? (await plansApi().getPlan({ planId: plans[0].id })).promotions.map(({ planId, rollback }) => ({ id: planId, rollback })) : []),
   look: async (id) => ({ facts: [], against: (await plansApi().checkPlan({ planId: id })).findings.map((finding) => finding.message) }),
-  rollBack: () => plansApi().rollBackPlan({}),
+  rollBack: (servingPlanId) => plansApi().rollBackPlan({ servingPlanId }),
 });
