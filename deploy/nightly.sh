@@ -130,7 +130,12 @@ for p in "${chosen[@]}"; do
   if [ $again = no ] && [ "$(cat "$state/$p.passed" 2>/dev/null)" = "$commit" ]; then echo "$p: passed at $commit before"; continue; fi
   part "$p: $(describe "$p")"
   begun=$(date +%s)
-  if (run_"$p"_part) >"$state/$p.log" 2>&1; then
+  # Not as a condition: there bash goes on after a command that failed, and a part would pass with the work of an earlier build.
+  set +e
+  (set -e; run_"$p"_part) >"$state/$p.log" 2>&1
+  result=$?
+  set -e
+  if [ $result = 0 ]; then
     echo "$commit" >"$state/$p.passed"
     {
       echo "# $p: $(describe "$p")"

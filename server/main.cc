@@ -50,6 +50,7 @@
 #include "server/kept_stop_file.h"
 #include "server/line/target_line_server.h"
 #include "server/locks/claims.h"
+#include "server/notice_file.h"
 #include "server/notify/outside_notifier.h"
 #include "server/rpc/server/rpc_server.h"
 #include "server/service_manager.h"
@@ -103,35 +104,6 @@ Result<application::Devices> make_devices(const CellDescription& cell, const std
   }
   return devices;
 }
-
-// Where clients find this daemon: beside the cell file, in one piece, there only while the daemon
-// is ready.
-class Notice {
- public:
-  Notice(const std::string& cell_file, const nlohmann::ordered_json& content)
-      : path_(fs::absolute(cell_file).parent_path() / "driftwised.json") {
-    const fs::path part = path_.string() + ".part";
-    std::ofstream(part) << content.dump(2) << '\n';
-    std::error_code failed;
-    // Addresses are no secret: whoever may enter the folder may read them, whatever the umask of
-    // the service keeps of the other files.
-    constexpr auto kReadable = fs::perms::owner_read | fs::perms::owner_write |
-                               fs::perms::group_read | fs::perms::others_read;
-    fs::permissions(part, kReadable, failed);
-    fs::rename(part, path_, failed);
-    if (failed)
-      spdlog::warn("cannot write {}: {}; clients need --server", path_.string(), failed.message());
-  }
-  ~Notice() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-  Notice(const Notice&) = delete;
-  Notice& operator=(const Notice&) = delete;
-
- private:
-  fs::path path_;
-};
 
 // The executor's thread; work handed to it is waited for.
 class ExecutorThread {
@@ -270,6 +242,15 @@ std::string boot_id() {
   return id;
 }
 
+// A certificate out of its time is no reason not to start; the running daemon says it as an alarm.
+void warn_of_certificate(const AccessDescription& access) {
+  if (!access.tls()) return;
+  const auto now_utc_s = std::chrono::duration_cast<std::chrono::seconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  const auto good = access::check_certificate(access.certificate, access.key, now_utc_s.count());
+  if (!good) spdlog::warn("{}", good.error().message);
+}
+
 Result<Daemon> put_together(CellDescription description, asio::io_context& context,
                             const Arguments& arguments) {
   // A check starts nothing, so it does not ask for the clock that a simulated cell would share.
@@ -290,6 +271,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   if (arguments.check) {
     DRIFTWISE_RETURN_IF_ERROR(check_database_folder(description.database));
     DRIFTWISE_RETURN_IF_ERROR(access::Access::check(description.access));
+    warn_of_certificate(description.access);
     return Daemon{};
   }
 
@@ -374,7 +356,7 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
       .wait_for(std::chrono::seconds(20));
   {
     const auto content = notice_of(daemon);
-    const Notice notice(arguments.cell_file, content);
+    const NoticeFile notice(arguments.cell_file, content.dump(2) + '\n');
     daemon.rpc->ready(true);
     const ServiceManager service_manager(context.get_executor());
     const KeptStopWatch kept_stops(*daemon.kept_stop, [&](const formats::KeptStop& kept) {

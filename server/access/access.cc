@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 
@@ -19,18 +18,11 @@ std::string user_name() {
   return user != nullptr ? user->pw_name : std::to_string(::geteuid());
 }
 
-std::int64_t now_utc_s() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 }  // namespace
 
 Result<void> Access::check(const AccessDescription& description) {
   if (!description.tls()) return {};
-  DRIFTWISE_RETURN_IF_ERROR(
-      check_certificate(description.certificate, description.key, now_utc_s()));
+  DRIFTWISE_RETURN_IF_ERROR(check_files(description.certificate, description.key));
   if (!description.authority.empty())
     DRIFTWISE_RETURN_IF_ERROR(read_certificate(description.authority));
   if (!description.revoked.empty())
@@ -40,13 +32,15 @@ Result<void> Access::check(const AccessDescription& description) {
 }
 
 Result<std::unique_ptr<Access>> Access::open(const AccessDescription& description,
-                                             const std::string& state_folder) {
+                                             const std::string& state_folder,
+                                             std::function<std::int64_t()> utc_s) {
   std::unique_ptr<Access> out(new Access);
   out->description_ = description;
   const std::filesystem::path folder(state_folder);
   Authoriser::Parts parts;
   parts.loopback = description.loopback;
   parts.local_user = user_name();
+  parts.utc_s = std::move(utc_s);
   out->socket_path_ = (folder / "driftwised.sock").string();
   DRIFTWISE_RETURN_IF_ERROR(check(description));
   DRIFTWISE_TRY(auto tokens, TokenBook::open((folder / "tokens.json").string()));

@@ -1,11 +1,13 @@
 #pragma once
-// Access of one daemon, put together at its start: certificate checked, tokens read, the local
-// token written. Made and destroyed on one thread; its parts are for any.
+// Access of one daemon, put together at its start: certificate and key checked, tokens read, the
+// local token written. Made and destroyed on one thread; its parts are for any.
 //
 // In the state folder (the database's), all of mode 0600: "tokens.json" (token_book.h),
 // "driftwised.token" (made at each start: a program that may read it is admin; removed at the end)
 // and "driftwised.sock" (made by the gRPC door).
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -19,10 +21,13 @@ namespace driftwise::access {
 
 class Access {
  public:
-  // Writes nothing where [access] is not configured. Errors: those of check_certificate,
-  // RevokedCertificates::open and TokenBook::open; unavailable CANNOT_WRITE.
+  // Writes nothing where [access] is not configured. A certificate whose time is over or has not
+  // come is no error: the cell is measured and recorded on, and an alarm says it. Errors: those of
+  // check_files, RevokedCertificates::open and TokenBook::open; unavailable CANNOT_WRITE.
+  // utc_s: for tests; empty: the computer's clock.
   static Result<std::unique_ptr<Access>> open(const AccessDescription& description,
-                                              const std::string& state_folder);
+                                              const std::string& state_folder,
+                                              std::function<std::int64_t()> utc_s = {});
   // The same without writing anything: for a look at the cell file.
   static Result<void> check(const AccessDescription& description);
   ~Access();

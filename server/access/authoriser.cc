@@ -73,7 +73,7 @@ Identity Authoriser::local(const Evidence& evidence, Proof proof) const {
 
 Result<Identity> Authoriser::identify(const Evidence& evidence) {
   if (!evidence.bearer.empty()) return by_token(evidence);
-  if (revoked(evidence.certificate_pem)) return revoked_certificate(evidence);
+  if (revoked(evidence.certificate_pem)) return certificate_over(evidence);
   std::optional<Role> role;
   for (const auto& uri : evidence.certificate_uris)
     if (const auto one = role_from_uri(uri); one && (!role || includes(*one, *role))) role = one;
@@ -86,6 +86,7 @@ Result<Identity> Authoriser::identify(const Evidence& evidence) {
                  evidence.from,
                  evidence.certificate_pem};
     shown_.note(evidence.certificate_pem, who.name, who.role);
+    if (!in_force(who)) return certificate_over(evidence);
     return who;
   }
   if (evidence.door == Door::unix_socket) return local(evidence, Proof::local_socket);
@@ -97,11 +98,17 @@ Result<Identity> Authoriser::identify(const Evidence& evidence) {
 bool Authoriser::in_force(const Identity& who) const {
   const auto now_utc_s = parts_.utc_s();
   if (!who.certificate_pem.empty()) {
-    const auto facts = certificate_from(who.certificate_pem);
-    return facts && facts->not_after_utc_s > now_utc_s && !revoked(who.certificate_pem);
+    const auto end_utc_s = shown_.end_utc_s(who.certificate_pem);
+    return end_utc_s && *end_utc_s > now_utc_s && !revoked(who.certificate_pem);
   }
   if (who.credential.empty() || who.credential == kLocalCredential) return true;
   return parts_.tokens != nullptr && parts_.tokens->in_force(who.credential, now_utc_s);
+}
+
+bool Authoriser::knows(std::string_view bearer) const {
+  const std::string_view text = bearer.substr(0, kMostBearerBytes);
+  if (!local_token_hash_.empty() && same_bytes(sha256(text), local_token_hash_)) return true;
+  return parts_.tokens != nullptr && parts_.tokens->known(text, parts_.utc_s());
 }
 
 std::vector<EndingProof> Authoriser::ending() const {
@@ -136,13 +143,21 @@ tl::unexpected<Error> Authoriser::nobody(const Evidence& evidence) {
   return tl::unexpected(std::move(error));
 }
 
-tl::unexpected<Error> Authoriser::revoked_certificate(const Evidence& evidence) {
+tl::unexpected<Error> Authoriser::certificate_over(const Evidence& evidence) {
   const std::string name = short_name(evidence.certificate_name);
-  Error error{ErrorCode::unauthenticated, reasons::kCertificateRevoked,
-              "the certificate of '" + name +
-                  "' was revoked: an admin makes another one ('driftwise cert client')"};
+  const bool on_list = revoked(evidence.certificate_pem);
+  std::string how = "was revoked";
+  if (!on_list) {
+    const auto end_utc_s = shown_.end_utc_s(evidence.certificate_pem);
+    how = end_utc_s ? "has ended on " + day_of(*end_utc_s) : "cannot be read";
+  }
+  Error error{ErrorCode::unauthenticated,
+              on_list ? reasons::kCertificateRevoked : reasons::kCertificateExpired,
+              "the certificate of '" + name + "' " + how +
+                  ": an admin makes another one ('driftwise cert client')"};
   note_within_bounds({AccessNote::Kind::wrong_try, name, evidence.from,
-                      "a call with the revoked certificate of '" + name + "'", 1, "certificate"});
+                      "a call with the certificate of '" + name + "', which " + how, 1,
+                      "certificate"});
   return tl::unexpected(std::move(error));
 }
 

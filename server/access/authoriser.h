@@ -65,19 +65,19 @@ class Authoriser {
   // Order: a bearer token (a wrong one is refused whatever else is known), a certificate with a
   // role, the unix socket, open loopback. May compute a scrypt (token_book.h). Errors:
   // unauthenticated NO_IDENTITY (what to do), BAD_TOKEN, NO_ROLE (a certificate without a role),
-  // CERTIFICATE_REVOKED;
+  // CERTIFICATE_REVOKED, CERTIFICATE_EXPIRED (it ended while its connection stands);
   // resource_exhausted TOO_MANY_TRIES (for how long).
   Result<Identity> identify(const Evidence& evidence);
 
-  // A certificate that was good when the connection began is on the list now.
-  bool revoked(const std::string& certificate_pem) const {
-    return parts_.revoked != nullptr && parts_.revoked->contains(certificate_pem);
-  }
-
   // What this identity was proved with is in force still: its token is in the book and has not
   // ended, its certificate is neither revoked nor over. True for a proof without an end: the unix
-  // socket, the local token, open loopback.
+  // socket, the local token, open loopback. Every door asks it of whatever outlasts one call: a
+  // certificate was verified when its connection began, and may have ended since.
   bool in_force(const Identity& who) const;
+
+  // The token is known to be good without a scrypt: that of the state folder, or one that was
+  // checked since the start.
+  bool knows(std::string_view bearer) const;
 
   // Tokens and certificates that are about to end, or have just ended.
   std::vector<EndingProof> ending() const;
@@ -97,7 +97,10 @@ class Authoriser {
   Identity local(const Evidence& evidence, Proof proof) const;
   tl::unexpected<Error> wrong_token(const Evidence& evidence, const Error& error);
   tl::unexpected<Error> nobody(const Evidence& evidence);
-  tl::unexpected<Error> revoked_certificate(const Evidence& evidence);
+  bool revoked(const std::string& certificate_pem) const {
+    return parts_.revoked != nullptr && parts_.revoked->contains(certificate_pem);
+  }
+  tl::unexpected<Error> certificate_over(const Evidence& evidence);
   void note_within_bounds(AccessNote what);
 
   Parts parts_;

@@ -129,8 +129,7 @@ Result<CertificateFacts> certificate_from(const std::string& pem) {
   return facts_of(certificate.get());
 }
 
-Result<CertificateFacts> check_certificate(const std::string& certificate, const std::string& key,
-                                           std::int64_t now_utc_s) {
+Result<CertificateFacts> check_files(const std::string& certificate, const std::string& key) {
   DRIFTWISE_TRY(const auto loaded, load_certificate(certificate));
   DRIFTWISE_TRY(const auto private_key, load_key(key));
   const bool together = X509_check_private_key(loaded.get(), private_key.get()) == 1;
@@ -139,12 +138,18 @@ Result<CertificateFacts> check_certificate(const std::string& certificate, const
     return fail(ErrorCode::failed_precondition, reasons::kKeyMismatch,
                 "the key " + key + " does not belong to the certificate " + certificate +
                     ": give those that were made together");
-  auto facts = facts_of(loaded.get());
+  return facts_of(loaded.get());
+}
+
+Result<CertificateFacts> check_certificate(const std::string& certificate, const std::string& key,
+                                           std::int64_t now_utc_s) {
+  DRIFTWISE_TRY(auto facts, check_files(certificate, key));
   if (now_utc_s < facts.not_before_utc_s || now_utc_s >= facts.not_after_utc_s)
     return fail(ErrorCode::failed_precondition, reasons::kCertificateExpired,
                 certificate + " is good from " + day_of(facts.not_before_utc_s) + " to " +
                     day_of(facts.not_after_utc_s) + ", today is " + day_of(now_utc_s) +
-                    ": make a new one ('driftwise cert init' or your authority)");
+                    ": clients refuse it; look at the computer's clock, or make a new one "
+                    "('driftwise cert init' or your authority), no restart is needed");
   return facts;
 }
 

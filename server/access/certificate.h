@@ -24,9 +24,13 @@ Result<CertificateFacts> read_certificate(const std::string& path);
 // The same of a text. Errors: invalid_argument BAD_CERTIFICATE.
 Result<CertificateFacts> certificate_from(const std::string& pem);
 
-// Both files can be read, the key is the certificate's, and it is good now. Errors: those above;
-// invalid_argument BAD_KEY; failed_precondition KEY_MISMATCH, CERTIFICATE_EXPIRED, KEY_READABLE
-// (others may read the key).
+// The files of the daemon: both can be read, and the key is the certificate's. Its time is left
+// out: that passes by itself and is no reason not to start. Errors: those above; invalid_argument
+// BAD_KEY; failed_precondition KEY_MISMATCH, FILE_READABLE (others may read the key).
+Result<CertificateFacts> check_files(const std::string& certificate, const std::string& key);
+
+// The same, and the certificate is good now. Errors: those; failed_precondition
+// CERTIFICATE_EXPIRED: its time is over or has not come.
 Result<CertificateFacts> check_certificate(const std::string& certificate, const std::string& key,
                                            std::int64_t now_utc_s);
 

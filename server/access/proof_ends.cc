@@ -62,6 +62,16 @@ void ShownCertificates::note(const std::string& pem, const std::string& name, Ro
                  facts->not_after_utc_s};
 }
 
+std::optional<std::int64_t> ShownCertificates::end_utc_s(const std::string& pem) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = shown_.find(pem); found != shown_.end()) return found->second.ends_utc_s;
+  }
+  const auto facts = certificate_from(pem);
+  if (!facts) return std::nullopt;
+  return facts->not_after_utc_s;
+}
+
 std::vector<ProofEnd> ShownCertificates::all() const {
   const std::lock_guard lock(mutex_);
   std::vector<ProofEnd> out;

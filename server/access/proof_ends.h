@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ class ShownCertificates {
  public:
   static constexpr std::size_t kMost = 1000;
   void note(const std::string& pem, const std::string& name, Role role);
+  // End of a certificate's time, without reading it again where it was noted. Nothing: it is none.
+  std::optional<std::int64_t> end_utc_s(const std::string& pem) const;
   std::vector<ProofEnd> all() const;
 
  private:

@@ -10,12 +10,6 @@ namespace {
 
 constexpr std::chrono::seconds kLookAgain{1};
 
-std::int64_t utc_s() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 // "ipv4:192.168.7.10:5020" -> "192.168.7.10"
 std::string host_of(const std::string& from) {
   const auto begin = from.find(':') + 1;
@@ -40,17 +34,12 @@ Result<void> LineRights::take(const std::optional<tls::PeerCertificate>& certifi
   evidence.certificate_uris = certificate->uris;
   evidence.certificate_pem = certificate->pem;
   DRIFTWISE_TRY(auto who, access_.authoriser().identify(evidence));
-  identity_ = std::move(who);
-  certificate_ = certificate->pem;
-  checked_ = std::chrono::steady_clock::now();
+  take(std::move(who));
   return {};
 }
 
-void LineRights::take(access::Identity who, std::string token) {
-  // A token that the book keeps can be revoked; that of the state folder lives as long as we do.
-  token_ = access_.tokens().known(token, utc_s()) ? std::move(token) : std::string();
-  certificate_.clear();  // a token goes before a certificate
-  checked_ = std::chrono::steady_clock::now();
+void LineRights::take(access::Identity who) {
+  checked_ = {};  // it may have been revoked since it was identified: the first question looks
   identity_ = std::move(who);
 }
 
@@ -66,8 +55,7 @@ Result<void> LineRights::may_ask() {
   const auto now = std::chrono::steady_clock::now();
   if (identity_ && now - checked_ >= kLookAgain) {
     checked_ = now;
-    if (!token_.empty() && !access_.tokens().known(token_, utc_s())) identity_.reset();
-    if (access_.authoriser().revoked(certificate_)) identity_.reset();
+    if (!access_.authoriser().in_force(*identity_)) identity_.reset();
   }
   if (!identity_)
     return fail(

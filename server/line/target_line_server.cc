@@ -15,6 +15,7 @@
 
 #include "server/access/door_address.h"
 #include "server/access/failed_handshakes.h"
+#include "server/access/peer_name.h"
 #include "server/access/wrong_tries.h"
 #include "server/compensation/target.h"
 #include "server/core/reasons.h"
@@ -80,8 +81,7 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   void forget(Session* session) { sessions_.erase(session); }
   void tell_failed_handshake(const std::string& from, error_code why);
   LineRights rights(const tcp::endpoint& peer) const {
-    return {parts_.access, door_.kind,
-            (peer.address().is_v6() ? "ipv6:" : "ipv4:") + text_of(peer)};
+    return {parts_.access, door_.kind, access::peer_name_of(*peer.data())};
   }
   // Checks the token where that may take its time, and comes back.
   void identify(access::Evidence evidence, std::shared_ptr<Session> session) const;
@@ -148,11 +148,11 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
     if (door_->is_shut() || last_) return;
     active_ = WallClock::now();
     checking_ = false;
-    const std::string token = std::exchange(token_, {});
+    token_.clear();
     if (who) {
       out_ += "OK name=" + one_word(who->name) +
               " role=" + std::string(access::to_string(who->role)) + "\n";
-      rights_.take(std::move(*who), token);
+      rights_.take(std::move(*who));
       limit_.cancel();
     } else {
       formats::append_error_answer(out_, who.error());

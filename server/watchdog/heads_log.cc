@@ -13,6 +13,12 @@
 #include "server/core/text/clean_text.h"
 
 namespace driftwise::watchdog {
+namespace {
+
+// Behind what was cut off. Names of cells are clean: none has a tab.
+constexpr std::string_view kCutMark = "\t(cut off)\n";
+
+}  // namespace
 
 Result<HeadsLog> HeadsLog::open(std::string path) {
   const int file = ::open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
@@ -22,6 +28,11 @@ Result<HeadsLog> HeadsLog::open(std::string path) {
   HeadsLog log(path, file);
   std::ifstream text(path);
   for (std::string line; std::getline(text, line);) {
+    if (text.eof()) {
+      log.is_cut_ = true;
+      break;
+    }
+    if ((line + "\n").ends_with(kCutMark)) continue;
     std::istringstream words(line);
     std::string at, head, cell;
     words >> at >> head >> std::ws;
@@ -30,18 +41,13 @@ Result<HeadsLog> HeadsLog::open(std::string path) {
     const auto kept = chain_head_from(head);
     if (instant && kept && !cell.empty()) log.newest_[cell] = {{instant->utc_ns}, *kept};
   }
-  // What was cut off stays a line of its own.
-  char last = '\n';
-  if (const off_t end = ::lseek(file, 0, SEEK_END); end > 0)
-    static_cast<void>(::pread(file, &last, 1, end - 1));
-  if (last != '\n' && ::write(file, "\n", 1) != 1)
-    return fail(ErrorCode::resource_exhausted, reasons::kDiskFull, path + " cannot be written");
   return log;
 }
 
 HeadsLog::HeadsLog(HeadsLog&& other) noexcept
     : path_(std::move(other.path_)),
       file_(std::exchange(other.file_, -1)),
+      is_cut_(other.is_cut_),
       newest_(std::move(other.newest_)) {}
 
 HeadsLog::~HeadsLog() {
@@ -52,9 +58,16 @@ Result<void> HeadsLog::keep(const std::string& cell, UtcTime at, const ChainHead
   const std::string name = clean_line(cell);
   const auto known = newest_.find(name);
   if (head.entry == 0 || (known != newest_.end() && known->second.head == head)) return {};
-  const std::string line = to_iso8601(at) + " " + to_string(head) + " " + name + "\n";
+  std::string line(is_cut_ ? kCutMark : "");
+  line += to_iso8601(at) + " " + to_string(head) + " " + name + "\n";
   const ssize_t written = ::write(file_, line.data(), line.size());
-  if (written != static_cast<ssize_t>(line.size()) || ::fdatasync(file_) != 0)
+  const bool is_whole = written == static_cast<ssize_t>(line.size());
+  const std::string why = written < 0 ? std::strerror(errno) : "it was cut off";
+  if (written > 0) is_cut_ = !is_whole;
+  if (!is_whole)
+    return fail(ErrorCode::resource_exhausted, reasons::kDiskFull,
+                path_ + " cannot be written: " + why + ": make room on the disk");
+  if (::fdatasync(file_) != 0)
     return fail(ErrorCode::resource_exhausted, reasons::kDiskFull,
                 path_ + " cannot be written: " + std::strerror(errno) + ": make room on the disk");
   newest_[name] = {at, head};

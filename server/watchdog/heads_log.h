@@ -20,8 +20,9 @@ class HeadsLog {
     ChainHead head;
   };
 
-  // Makes the file where there is none (mode 0600), reads the newest head of each cell. A line that
-  // was cut off by a loss of power is passed over. Errors: not_found CANNOT_OPEN.
+  // Makes the file where there is none (mode 0600), reads the newest head of each cell. A line
+  // without its end was cut off, by a loss of power or a full disk: wherever the cut is, it is no
+  // line, and a mark behind it says so to later starts. Errors: not_found CANNOT_OPEN.
   static Result<HeadsLog> open(std::string path);
   HeadsLog(HeadsLog&& other) noexcept;
   HeadsLog& operator=(HeadsLog&&) = delete;
@@ -36,6 +37,7 @@ class HeadsLog {
 
   std::string path_;
   int file_;
+  bool is_cut_ = false;  // the file ends within a line
   std::map<std::string, Kept> newest_;
 };
 

@@ -2,9 +2,11 @@
 
 #include <openssl/crypto.h>
 
+#include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
@@ -12,7 +14,10 @@
 #include <boost/beast/ssl/ssl_stream.hpp>
 #include <charconv>
 #include <chrono>
+#include <list>
+#include <map>
 #include <memory>
+#include <tuple>
 #include <utility>
 
 #include "server/core/ports/spawn.h"
@@ -28,6 +33,7 @@ namespace http = beast::http;
 using asio::ip::tcp;
 using Code = boost::system::error_code;
 constexpr auto kPatience = std::chrono::seconds(10);
+constexpr auto kPause = std::chrono::milliseconds(50);
 constexpr std::size_t kMostBytes = 64 * 1024;
 
 Result<tcp::endpoint> endpoint_of(const std::string& address) {
@@ -55,12 +61,33 @@ bool same_secret(std::string_view found, std::string_view wanted) {
          CRYPTO_memcmp(found.data(), wanted.data(), wanted.size()) == 0;
 }
 
-struct Shared {  // the door outlives its connections
+struct Connection {
+  asio::ip::address from;
+  std::chrono::steady_clock::time_point since;  // its beginning, then its last sign of life
+  bool is_known = false;                        // it has brought one, with the token
+  std::function<void()> close = {};
+};
+
+struct Shared {  // its connections may outlive the door
   std::string token;
   WatchdogDoor::Take take;
   std::unique_ptr<tls::TlsMaterial> tls;
-  std::size_t connections = 0;
+  std::list<std::shared_ptr<Connection>> connections = {};
 };
+
+void make_room(Shared& shared) {
+  if (shared.connections.size() < WatchdogDoor::kMaxConnections) return;
+  std::map<asio::ip::address, std::ptrdiff_t> unknown;
+  for (const auto& one : shared.connections)
+    if (!one->is_known) ++unknown[one->from];
+  const auto rank = [&](const std::shared_ptr<Connection>& one) {
+    return std::tuple(one->is_known, one->is_known ? 0 : -unknown[one->from], one->since);
+  };
+  const auto first = std::ranges::min_element(shared.connections, {}, rank);
+  const auto gone = *first;
+  shared.connections.erase(first);
+  if (gone->close) gone->close();
+}
 
 http::status answer_to(Shared& shared, const http::request<http::string_body>& request,
                        std::string& said) {
@@ -83,7 +110,8 @@ http::status answer_to(Shared& shared, const http::request<http::string_body>& r
 }
 
 template <class Stream>
-Awaitable<void> talk(std::shared_ptr<Shared> shared, Stream& stream) {
+Awaitable<void> talk(std::shared_ptr<Shared> shared, std::shared_ptr<Connection> self,
+                     Stream& stream) {
   Code code;
   beast::flat_buffer buffer;
   for (bool goes_on = true; goes_on;) {
@@ -97,6 +125,10 @@ Awaitable<void> talk(std::shared_ptr<Shared> shared, Stream& stream) {
     http::response<http::string_body> response;
     response.version(11);
     response.result(answer_to(*shared, parser.get(), response.body()));
+    if (response.result() == http::status::no_content) {
+      self->is_known = true;
+      self->since = std::chrono::steady_clock::now();
+    }
     response.set(http::field::content_type, "text/plain; charset=utf-8");
     goes_on = parser.get().keep_alive() && response.result() == http::status::no_content;
     response.keep_alive(goes_on);
@@ -107,24 +139,32 @@ Awaitable<void> talk(std::shared_ptr<Shared> shared, Stream& stream) {
   }
 }
 
-Awaitable<void> serve_one(std::shared_ptr<Shared> shared, tcp::socket socket) {
+Awaitable<void> serve_one(std::shared_ptr<Shared> shared, std::shared_ptr<Connection> self,
+                          tcp::socket socket) {
   Code code;
+  const auto close_at_need = [&self](beast::tcp_stream& stream) {
+    self->close = [&stream] { stream.close(); };
+  };
   if (shared->tls == nullptr) {
     beast::tcp_stream stream(std::move(socket));
-    auto talking = talk(shared, stream);
+    close_at_need(stream);
+    auto talking = talk(shared, self, stream);
     co_await std::move(talking);
+    self->close = nullptr;
   } else {
     const auto context = shared->tls->context();
     beast::ssl_stream<beast::tcp_stream> stream(std::move(socket), *context);
+    close_at_need(beast::get_lowest_layer(stream));
     beast::get_lowest_layer(stream).expires_after(kPatience);
     co_await stream.async_handshake(asio::ssl::stream_base::server,
                                     asio::redirect_error(asio::use_awaitable, code));
     if (!code) {
-      auto talking = talk(shared, stream);
+      auto talking = talk(shared, self, stream);
       co_await std::move(talking);
     }
+    self->close = nullptr;
   }
-  --shared->connections;
+  shared->connections.remove(self);
 }
 
 class ListeningDoor final : public WatchdogDoor {
@@ -156,9 +196,18 @@ class ListeningDoor final : public WatchdogDoor {
       tcp::socket socket =
           co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, code));
       if (code == asio::error::operation_aborted) co_return;
-      if (code || shared_->connections >= kMaxConnections) continue;  // the socket closes
-      ++shared_->connections;
-      spawn(acceptor_.get_executor(), serve_one(shared_, std::move(socket)));
+      if (code) {  // out of descriptors, for one: it would fail again at once
+        asio::steady_timer pause(acceptor_.get_executor(), kPause);
+        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, code));
+        continue;
+      }
+      const auto peer = socket.remote_endpoint(code);
+      if (code) continue;  // it left again
+      make_room(*shared_);
+      const auto connection = std::make_shared<Connection>(
+          Connection{peer.address(), std::chrono::steady_clock::now()});
+      shared_->connections.push_back(connection);
+      spawn(acceptor_.get_executor(), serve_one(shared_, connection, std::move(socket)));
     }
   }
 

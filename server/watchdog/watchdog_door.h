@@ -1,7 +1,10 @@
 #pragma once
 // The door for signs of life: HTTP, or HTTPS with a certificate. POST of a sign of life (JSON, 64
-// kB at most) with "Authorization: Bearer TOKEN" where a token is wanted. 204: taken. One thread,
-// that of the executor.
+// kB at most) with "Authorization: Bearer TOKEN" where a token is wanted. 204: taken.
+//
+// A further client is always let in, as its sign of life may be the one that is waited for: it
+// takes the place of a connection that has brought no sign yet, of the address with the most of
+// those the oldest; else of the one without a sign for longest. One thread, that of the executor.
 
 #include <boost/asio/any_io_executor.hpp>
 #include <functional>

@@ -15,11 +15,6 @@ using Json = nlohmann::ordered_json;
 using std::chrono::seconds;
 constexpr seconds kLookAtProofs{1};
 
-std::int64_t utc_s() {
-  return std::chrono::duration_cast<seconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 HttpResponse json_answer(int status, const Json& json) {
   HttpResponse response =
       plain_answer(status, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
@@ -128,9 +123,11 @@ bool Entrance::lasts(const std::string& session) {
 
 bool Entrance::trusts(const HttpRequest& head) {
   if (const std::string bearer = bearer_of(head); !bearer.empty())
-    return parts_.access.tokens().known(bearer, utc_s()).has_value();
+    return parts_.access.authoriser().knows(bearer);
   return session_of(head) != nullptr || is_open();
 }
+
+bool Entrance::shows_token(const HttpRequest& head) { return !bearer_of(head).empty(); }
 
 Awaitable<Result<access::Identity>> Entrance::by_token(std::string token, std::string peer) {
   access::Evidence evidence;
@@ -138,8 +135,7 @@ Awaitable<Result<access::Identity>> Entrance::by_token(std::string token, std::s
   evidence.from = std::move(peer);
   evidence.bearer = std::move(token);
   access::Authoriser* authoriser = &parts_.access.authoriser();
-  if (parts_.access.tokens().known(evidence.bearer, utc_s()))
-    co_return authoriser->identify(evidence);
+  if (authoriser->knows(evidence.bearer)) co_return authoriser->identify(evidence);
   co_return co_await application::run_on(
       parts_.host.background(),
       [authoriser](access::Evidence& what) { return authoriser->identify(what); },

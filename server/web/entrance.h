@@ -41,8 +41,10 @@ class Entrance {
   };
   explicit Entrance(Parts parts);
 
-  // Without waiting: somebody known, or an open door. False also for a token that was not yet seen.
+  // Without waiting: somebody known, or an open door. False also for a token that was not checked
+  // since the start: visitor() checks it.
   bool trusts(const HttpRequest& head);
+  static bool shows_token(const HttpRequest& head);
   // Errors: unauthenticated NO_IDENTITY (what to do), BAD_TOKEN; resource_exhausted TOO_MANY_TRIES.
   // The request outlives the wait.
   Awaitable<Result<Visitor>> visitor(const HttpRequest& request);

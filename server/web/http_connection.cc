@@ -19,6 +19,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl/ssl_stream.hpp>
 
+#include "server/access/peer_name.h"
 #include "server/access/wrong_tries.h"
 #include "server/web/security_headers.h"
 
@@ -65,15 +66,13 @@ std::string peer_of(const tcp::socket& socket) {
   Code gone;
   const auto end = socket.remote_endpoint(gone);
   if (gone) return "unknown";
-  const bool v6 = end.address().is_v6();
-  return (v6 ? "ipv6:[" : "ipv4:") + end.address().to_string() + (v6 ? "]:" : ":") +
-         std::to_string(end.port());
+  return access::peer_name_of(*end.data());
 }
 
 std::string local_of(const tcp::socket& socket) {
   Code gone;
   const auto end = socket.local_endpoint(gone);
-  return gone ? std::string() : end.address().to_string();
+  return gone ? std::string() : access::address_text_of(*end.data());
 }
 
 // "ipv4:127.0.0.1:5020" -> "ipv4:127.0.0.1"
@@ -221,8 +220,13 @@ class BeastConnection final : public HttpConnection,
     HttpRequest request = head_of(parser, ends_);
     const bool is_head = parser.get().method() == http::verb::head;
     const bool is_last = !parser.get().keep_alive();
-    auto admitted = site_.admit(request);
+    auto admitting = site_.admit(request);
+    auto admitted = co_await std::move(admitting);
     if (auto* refused = std::get_if<HttpResponse>(&admitted)) {
+      if (!parser.is_done() && !is_head) {  // its body is on the way
+        auto refusing = refuse_with(std::move(*refused));
+        co_return co_await std::move(refusing);
+      }
       const bool clean = parser.is_done() && !is_last;  // else the body would be read as a request
       auto refusing = write_plain(std::move(*refused), is_head, clean);
       co_return co_await std::move(refusing);

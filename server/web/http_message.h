@@ -21,7 +21,7 @@ struct HttpRequest {
   std::string target;               // "/runs/17?tab=points", as it came
   std::vector<HttpHeader> headers;  // names in lower case, in the order they came
   std::string body;
-  std::string peer;     // "ipv4:127.0.0.1:5020", as gRPC writes it
+  std::string peer;     // "ipv4:127.0.0.1:5020" (access/peer_name.h)
   std::string local;    // the address it came to, "127.0.0.1"
   bool secure = false;  // over TLS
 
@@ -62,7 +62,9 @@ class HttpSite {
  public:
   virtual ~HttpSite() = default;
   // Looks at the head, before the body is read: a refusal, or how many bytes of body may follow.
-  virtual std::variant<HttpResponse, std::size_t> admit(const HttpRequest& head) = 0;
+  // The head outlives the wait, which may be that for a token to be checked.
+  using Admitted = std::variant<HttpResponse, std::size_t>;
+  virtual Awaitable<Admitted> admit(const HttpRequest& head) = 0;
   virtual Awaitable<HttpResponse> answer(HttpRequest request) = 0;
 };
 

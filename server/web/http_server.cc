@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "server/access/door_address.h"
+#include "server/access/peer_name.h"
 #include "server/core/ports/spawn.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -52,9 +53,9 @@ Result<tcp::endpoint> parse(const std::string& address, bool secure) {
   if (!secure && !ip.is_loopback())
     return fail(ErrorCode::invalid_argument, reasons::kNeedsTls,
                 "http address '" + address +
-                    "' can be reached from outside this computer, and the cell file has no [tls]: "
-                    "make certificates with driftwise cert init and name them there, or listen on "
-                    "127.0.0.1");
+                    "' can be reached from outside this computer, and this door has no TLS: for "
+                    "others give [access] http, with certificate and key of 'driftwise cert init'; "
+                    "here listen on 127.0.0.1");
   return tcp::endpoint(ip, static_cast<std::uint16_t>(port));
 }
 
@@ -141,9 +142,7 @@ class ThreadedHttpServer final : public HttpServer {
       present.push_back(one->state());
       places.push_back(one.get());
     }
-    const std::string peer = (end.address().is_v6() ? "ipv6:[" + end.address().to_string() + "]"
-                                                    : "ipv4:" + end.address().to_string());
-    const auto slowest = makes_room(present, peer, {});
+    const auto slowest = makes_room(present, access::host_name_of(*end.data()), {});
     if (slowest && *slowest >= places.size()) return false;
     if (slowest) places[*slowest]->close();
     return connections_.size() < kMaxConnections + kMostClosing;

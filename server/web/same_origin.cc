@@ -73,7 +73,7 @@ std::optional<HttpResponse> refuse_foreign(const HttpRequest& request,
   if (!is_own_host(request, names))
     return plain_answer(421, "Host: found " + shown(host) +
                                  ", expected localhost, 127.0.0.1, [::1], the address of this door "
-                                 "or a name of [web] names (docs/web.md)\n");
+                                 "or a name of [access] names (docs/access.md)\n");
   if (request.method == "GET" || request.method == "HEAD") return std::nullopt;
   const std::string_view origin = request.header("origin"), site = request.header("sec-fetch-site");
   const std::string here = (request.secure ? "https://" : "http://") + lower(host);

@@ -1,6 +1,7 @@
 #include "server/web/web_site.h"
 
 #include <algorithm>
+#include <charconv>
 
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
@@ -32,27 +33,39 @@ class WebSite final : public HttpSite {
         gateway_(parts.executor, parts.channel),
         files_(parts.root) {}
 
-  std::variant<HttpResponse, std::size_t> admit(const HttpRequest& head) override {
+  Awaitable<Admitted> admit(const HttpRequest& head) override { return admit_head(head); }
+
+ private:
+  Awaitable<Admitted> admit_head(const HttpRequest& head) {
     if (auto refused = refuse_foreign(head, access_.description().names))
-      return std::move(*refused);
+      co_return std::move(*refused);
     const bool trusted = entrance_.trusts(head);
     if (!trusted && !rate_.takes(address_of(head.peer), std::chrono::steady_clock::now()))
-      return refused_answer({ErrorCode::resource_exhausted, reasons::kTooManyTries,
-                             "too many requests from this address before a log-in: try again in a "
-                             "second"});
-    if (head.path() == kSession) return admit_session(head);
+      co_return refused_answer({ErrorCode::resource_exhausted, reasons::kTooManyTries,
+                                "too many requests from this address before a log-in: try again "
+                                "in a second"});
+    if (head.path() == kSession) co_return admit_session(head);
     if (head.path().starts_with("/driftwise.v1.")) {
       auto admitted = GrpcWebGateway::admit(head);
-      if (auto* most = std::get_if<std::size_t>(&admitted); most != nullptr && !trusted)
+      auto* most = std::get_if<std::size_t>(&admitted);
+      if (most == nullptr || trusted || !exceeds_unknown(head)) co_return admitted;
+      if (!Entrance::shows_token(head)) {
         *most = std::min(*most, kMostUnknownBody);
-      return admitted;
+        co_return admitted;
+      }
+      // The token is looked at before its body is judged: it may be good, and new to us.
+      auto asking = entrance_.visitor(head);
+      const auto visitor = co_await std::move(asking);
+      if (!visitor) co_return refused_answer(visitor.error());
+      co_return admitted;
     }
-    if (head.method == "GET" || head.method == "HEAD") return std::size_t{0};
+    if (head.method == "GET" || head.method == "HEAD") co_return std::size_t{0};
     HttpResponse refused = plain_answer(405, "only GET and HEAD are answered here\n");
     refused.headers.push_back({"Allow", "GET, HEAD"});
-    return refused;
+    co_return refused;
   }
 
+ public:
   Awaitable<HttpResponse> answer(HttpRequest request) override {
     if (request.path() == kSession) {
       auto answering = entrance_.session(std::move(request));
@@ -74,7 +87,15 @@ class WebSite final : public HttpSite {
  private:
   static constexpr std::string_view kSession = "/session";
 
-  static std::variant<HttpResponse, std::size_t> admit_session(const HttpRequest& head) {
+  // Its body may be larger than what is read of somebody unknown; one in chunks does not say.
+  static bool exceeds_unknown(const HttpRequest& head) {
+    const std::string_view length = head.header("content-length");
+    std::size_t bytes = 0;
+    const auto [end, bad] = std::from_chars(length.data(), length.data() + length.size(), bytes);
+    return length.empty() || bad != std::errc{} || bytes > kMostUnknownBody;
+  }
+
+  static Admitted admit_session(const HttpRequest& head) {
     if (head.method == "GET" || head.method == "DELETE") return std::size_t{0};
     if (head.method != "POST") {
       HttpResponse refused = plain_answer(405, "GET, POST and DELETE are answered here\n");

@@ -25,7 +25,8 @@ class DataService final : public v1::DataService::CallbackService {
       : host_(cell.host),
         records_(cell.records),
         datasets_(cell.datasets),
-        annotations_(cell.annotations) {}
+        annotations_(cell.annotations),
+        texts_(WholeTexts::make(cell.host.executor())) {}
 
   grpc::ServerWriteReactor<v1::ExportDatasetResponse>* ExportDataset(
       grpc::CallbackServerContext*, const v1::ExportDatasetRequest* request) override {
@@ -37,7 +38,7 @@ class DataService final : public v1::DataService::CallbackService {
            "run_ids: found none, expected at least one"});
     return Stream<v1::ExportDatasetResponse>::open(
         host_.executor(),
-        export_dataset(host_, datasets_, std::move(*runs), request->without_excluded()));
+        export_dataset(texts_, datasets_, std::move(*runs), request->without_excluded()));
   }
 
   grpc::ServerUnaryReactor* ImportDataset(grpc::CallbackServerContext* context,
@@ -130,6 +131,7 @@ class DataService final : public v1::DataService::CallbackService {
   application::StoreReader& records_;
   application::Datasets& datasets_;
   application::Annotations& annotations_;
+  std::shared_ptr<WholeTexts> texts_;
 };
 
 }  // namespace

@@ -75,7 +75,8 @@ class RecordService final : public v1::RecordService::CallbackService {
         records_(cell.records),
         keeping_(cell.keeping),
         bundles_(cell.support),
-        reports_(cell.reports) {}
+        reports_(cell.reports),
+        texts_(WholeTexts::make(cell.host.executor())) {}
 
   Reactor* ListActs(Context* context, const v1::ListActsRequest* request,
                     v1::ListActsResponse* response) override {
@@ -145,13 +146,13 @@ class RecordService final : public v1::RecordService::CallbackService {
   grpc::ServerWriteReactor<v1::GetSupportBundleResponse>* GetSupportBundle(
       Context* context, const v1::GetSupportBundleRequest*) override {
     return Stream<v1::GetSupportBundleResponse>::open(
-        host_.executor(), support_bundle(host_, bundles_, caller_of(*context)));
+        host_.executor(), support_bundle(texts_, bundles_, caller_of(*context)));
   }
 
   grpc::ServerWriteReactor<v1::GetReportResponse>* GetReport(
       Context*, const v1::GetReportRequest* request) override {
     return Stream<v1::GetReportResponse>::open(host_.executor(),
-                                               run_report(host_, reports_, request->run_id()));
+                                               run_report(texts_, reports_, request->run_id()));
   }
 
  private:
@@ -160,6 +161,7 @@ class RecordService final : public v1::RecordService::CallbackService {
   application::RecordKeeping& keeping_;
   application::SupportBundles& bundles_;
   application::Reports& reports_;
+  std::shared_ptr<WholeTexts> texts_;
 };
 
 }  // namespace

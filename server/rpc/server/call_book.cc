@@ -13,13 +13,14 @@
 
 #include "server/rpc/server/guard.h"
 #include "server/rpc/shared/call_context.h"
+#include "server/rpc/shared/caller.h"
 
 namespace driftwise::rpc {
 
 struct CallBook::Calls {
   struct One {
-    std::string peer;
-    bool is_stream = false, blocked = false;
+    Call call;
+    bool blocked = false;
     Instant since;  // of the last message, or of its beginning
     std::function<void()> end;
   };
@@ -30,15 +31,15 @@ struct CallBook::Calls {
   std::size_t next_id = 0;
   bool closing = false;
 
-  // Ends the slowest stream, of one connection or of all.
-  void end_slowest(const std::string* peer) {
+  // Ends the first stream to go, of one connection or of all.
+  void end_slowest(const Call* of_connection) {
     const auto now = std::chrono::steady_clock::now();
     std::optional<std::size_t> slowest;
     const auto rank = [&](const One& one) {
-      return std::tuple(!(one.blocked && now - one.since >= kSlow), one.since);
+      return std::tuple(one.call.is_known, !(one.blocked && now - one.since >= kSlow), one.since);
     };
     for (const auto& [id, one] : open) {
-      if (!one.is_stream || !one.end || (peer && one.peer != *peer)) continue;
+      if (!is_open_stream(one) || (of_connection && !same(one.call, *of_connection))) continue;
       if (!slowest || rank(one) < rank(open.at(*slowest))) slowest = id;
     }
     if (!slowest) return;
@@ -46,31 +47,35 @@ struct CallBook::Calls {
     end();
   }
 
-  std::size_t streams(const std::string* peer) const {
+  std::size_t streams(const Call* of_connection) const {
     std::size_t count = 0;
     for (const auto& [id, one] : open)
-      count += one.is_stream && one.end && (!peer || one.peer == *peer) ? 1 : 0;
+      count += is_open_stream(one) && (!of_connection || same(one.call, *of_connection)) ? 1 : 0;
     return count;
+  }
+
+  static bool is_open_stream(const One& one) { return one.call.is_stream && one.end; }
+  static bool same(const Call& a, const Call& b) {
+    return a.peer == b.peer && a.connection == b.connection;
   }
 };
 
 CallBook::CallBook(Quotas quotas) : calls_(std::make_shared<Calls>()) { calls_->quotas = quotas; }
 CallBook::~CallBook() = default;
 
-std::unique_ptr<CallBook::Entry> CallBook::enter(std::string peer, bool is_stream,
-                                                 std::function<void()> end) {
+std::unique_ptr<CallBook::Entry> CallBook::enter(Call call, std::function<void()> end) {
   const std::lock_guard lock(calls_->mutex);
-  if (is_stream) {
+  if (call.is_stream) {
     // The page's streams come through the gateway, whose own door holds them within bounds.
-    const bool from_socket = !peer.starts_with("inproc") && peer != "unknown";
-    if (from_socket && calls_->streams(&peer) >= calls_->quotas.streams_per_connection)
-      calls_->end_slowest(&peer);
+    const bool from_socket = !call.peer.empty();
+    if (from_socket && calls_->streams(&call) >= calls_->quotas.streams_per_connection)
+      calls_->end_slowest(&call);
     if (calls_->streams(nullptr) >= calls_->quotas.streams_in_all) calls_->end_slowest(nullptr);
   }
-  if (is_stream && calls_->closing) std::exchange(end, nullptr)();
+  if (call.is_stream && calls_->closing) std::exchange(end, nullptr)();
   const std::size_t id = calls_->next_id++;
-  calls_->open.emplace(id, Calls::One{std::move(peer), is_stream, false,
-                                      std::chrono::steady_clock::now(), std::move(end)});
+  calls_->open.emplace(
+      id, Calls::One{std::move(call), false, std::chrono::steady_clock::now(), std::move(end)});
   return std::make_unique<Entry>(calls_, id);
 }
 
@@ -80,16 +85,17 @@ void CallBook::end_streams() {
   // Ending one may take others out of the book.
   std::vector<std::size_t> ids;
   for (const auto& [id, one] : calls_->open)
-    if (one.is_stream && one.end) ids.push_back(id);
+    if (Calls::is_open_stream(one)) ids.push_back(id);
   for (const std::size_t id : ids)
     if (const auto one = calls_->open.find(id); one != calls_->open.end())
       if (const auto end = std::exchange(one->second.end, nullptr)) end();
 }
 
-std::size_t CallBook::open_calls(const std::string& peer) const {
+std::size_t CallBook::known_calls(const std::string& peer) const {
   const std::lock_guard lock(calls_->mutex);
   std::size_t count = 0;
-  for (const auto& [id, one] : calls_->open) count += one.peer == peer ? 1 : 0;
+  for (const auto& [id, one] : calls_->open)
+    count += one.call.is_known && one.call.peer == peer ? 1 : 0;
   return count;
 }
 
@@ -121,6 +127,16 @@ namespace {
 
 namespace gx = grpc::experimental;
 
+// What is one for each connection, for as long as one of its calls is open: gRPC makes the facts of
+// a connection at its handshake and keeps them for all of its calls, so their place in memory tells
+// connections apart where their names do not. Null: it has none.
+const void* connection_of(const grpc::ServerContextBase& context) {
+  const auto facts = context.auth_context();
+  if (!facts) return nullptr;
+  const auto kinds = facts->FindPropertyValues("transport_security_type");
+  return kinds.empty() ? nullptr : kinds.front().data();
+}
+
 // Cancelling a call goes through all of its interceptors, on another thread. So it enters the book
 // when the last of them is made, and as the first of them it is the first to go, out of the book.
 class Entering final : public gx::Interceptor {
@@ -143,8 +159,14 @@ class Entering final : public gx::Interceptor {
     // Whoever may not call takes nobody's place.
     const auto* call = dynamic_cast<const CallContext*>(&context_);
     if (entry_ || (call != nullptr && call->refused())) return;
-    entry_ =
-        book_->enter(context_.peer(), is_stream_, [&context = context_] { context.TryCancel(); });
+    CallBook::Call entered;
+    entered.is_stream = is_stream_;
+    entered.is_known = call != nullptr && call->who();
+    if (!from_inside(context_)) {
+      entered.peer = peer_of(context_);
+      if (is_stream_) entered.connection = connection_of(context_);
+    }
+    entry_ = book_->enter(std::move(entered), [&context = context_] { context.TryCancel(); });
   }
 
   std::shared_ptr<CallBook> book_;

@@ -3,10 +3,11 @@
 // stream makes room when there are too many.
 //
 // An interceptor enters each call but single targets, whose path stays as short as it was, and
-// those that the guard has refused. A stream
-// beyond the quotas ends the slowest: the one whose client has not taken a message for longest,
-// else the one without a message for longest. A new stream is always let in, as a new page must be;
-// unary calls (a stop) are not counted. Any thread.
+// those that the guard has refused. A stream beyond the quotas ends another one: first of those
+// that nobody known has begun (health and reflection answer everybody), so that a stranger ends
+// strangers' streams only. Among equals the slowest goes: the one whose client has not taken a
+// message for longest, else the one without a message for longest. A new stream is always let in,
+// as a new page must be; unary calls (a stop) are not counted. Any thread.
 
 #include <grpcpp/support/server_interceptor.h>
 
@@ -35,15 +36,24 @@ class CallBook {
   CallBook(const CallBook&) = delete;
   CallBook& operator=(const CallBook&) = delete;
 
-  // peer: as gRPC prints it, "ipv4:127.0.0.1:5020". end: cancels the call; it is called with the
-  // book's lock held, on the thread of whoever needs the room.
+  struct Call {
+    std::string peer;  // access/peer_name.h; empty: the web gateway, inside the process
+    bool is_stream = false;
+    bool is_known = false;  // the guard has let it in: somebody stands behind it
+    // What tells its connection from others of the same name, as unix clients have one; it is
+    // compared, never looked into. Null: the name does.
+    const void* connection = nullptr;
+  };
+  // end: cancels the call; it is called with the book's lock held, on the thread of whoever needs
+  // the room.
   class Entry;
-  std::unique_ptr<Entry> enter(std::string peer, bool is_stream, std::function<void()> end);
+  std::unique_ptr<Entry> enter(Call call, std::function<void()> end);
 
   // Ends every stream, those that begin later at once: the door closes.
   void end_streams();
 
-  std::size_t open_calls(const std::string& peer) const;
+  // Of somebody known: whoever only asks for health holds no connection against people.
+  std::size_t known_calls(const std::string& peer) const;
   std::size_t streams() const;
 
  private:

@@ -24,6 +24,7 @@
 #include <utility>
 
 #include "server/access/door_address.h"
+#include "server/access/peer_name.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -129,20 +130,6 @@ std::uint16_t port_of(const sockaddr_storage& address) {
                    : reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
 }
 
-// "ipv4:127.0.0.1", "ipv6:[::1]"; with ":5020" it is the peer as gRPC prints it.
-std::string host_of(const sockaddr_storage& address) {
-  if (address.ss_family == AF_UNIX) return "unix:";
-  char text[INET6_ADDRSTRLEN] = "";
-  if (address.ss_family == AF_INET) {
-    ::inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in&>(address).sin_addr, text,
-                sizeof text);
-    return "ipv4:" + std::string(text);
-  }
-  ::inet_ntop(AF_INET6, &reinterpret_cast<const sockaddr_in6&>(address).sin6_addr, text,
-              sizeof text);
-  return "ipv6:[" + std::string(text) + "]";
-}
-
 ino_t inode_of(int fd) {
   struct stat about {};
   return ::fstat(fd, &about) == 0 ? about.st_ino : 0;
@@ -222,7 +209,8 @@ class ConnectionGate::Listener {
     const int on = 1;
     ::setsockopt(fresh.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (!is_ours(fresh.get(), from)) return;
-    const std::string host = host_of(from);
+    const auto& address = reinterpret_cast<const sockaddr&>(from);
+    const std::string host = access::host_name_of(address);
     forget_closed();
     std::map<std::string, std::size_t> counts;
     for (const auto& one : connections_) ++counts[one.host];
@@ -233,10 +221,8 @@ class ConnectionGate::Listener {
                                             [](auto& a, auto& b) { return a.second < b.second; });
       close_slowest(&busiest->first);
     }
-    // All clients of a unix socket have one name.
-    const std::string peer =
-        from.ss_family == AF_UNIX ? host : host + ":" + std::to_string(port_of(from));
-    connections_.push_back({fresh.get(), inode_of(fresh.get()), host, peer});
+    connections_.push_back(
+        {fresh.get(), inode_of(fresh.get()), host, access::peer_name_of(address)});
     if (came_) came_(host);
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters handed;
     handed.listener_fd = socket_.get();
@@ -256,7 +242,7 @@ class ConnectionGate::Listener {
     std::tuple<bool, std::uint32_t> best;
     for (auto one = connections_.begin(); one != connections_.end(); ++one) {
       if (host && one->host != *host) continue;
-      const std::tuple rank(calls_->open_calls(one->peer) == 0, silent_ms(one->fd));
+      const std::tuple rank(calls_->known_calls(one->peer) == 0, silent_ms(one->fd));
       if (slowest != connections_.end() && rank <= best) continue;
       slowest = one;
       best = rank;

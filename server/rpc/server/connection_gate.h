@@ -2,9 +2,10 @@
 // A listening socket of the gRPC door: it holds the number of connections within bounds, which
 // gRPC itself does not, and hands each one over to the server.
 //
-// A client beyond the quotas takes the place of the connection without a call that has been silent
-// longest; of one with calls only when all have some. So neither idle connections nor streams lock
-// a stop out, and the descriptors that the database, the devices and the page need stay free.
+// A client beyond the quotas takes the place of the connection without a call of somebody known
+// that has been silent longest; of one with such calls only when all have some. So neither idle
+// connections nor streams lock a stop out, and the descriptors that the database, the devices and
+// the page need stay free.
 //
 // Thread: one of its own, which accepts and nothing else. Made and destroyed on any other.
 

@@ -1,5 +1,6 @@
 #include "server/rpc/shared/caller.h"
 
+#include "server/access/peer_name.h"
 #include "server/core/text/clean_text.h"
 #include "server/rpc/shared/call_context.h"
 
@@ -22,7 +23,7 @@ std::string peer_of(const grpc::ServerContextBase& context) {
   if (from_inside(context))
     if (const auto behind = metadata_value(context, "driftwise-peer"); !behind.empty())
       return clean_line(behind);
-  return context.peer();
+  return access::peer_name_from_grpc(context.peer());
 }
 
 std::string stated_name(const grpc::ServerContextBase& context) {

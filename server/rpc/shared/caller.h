@@ -11,9 +11,9 @@
 
 namespace driftwise::rpc {
 
-// The name of the identity; the peer as gRPC prints it ("ipv4:127.0.0.1:5020"; of a call that came
-// through the web gateway, the browser's), followed by how the identity was proved where it was:
-// "ipv4:10.0.0.2:4711 (token k3f9a2c1)".
+// The name of the identity; the peer (access/peer_name.h, "ipv4:127.0.0.1:5020"; of a call that
+// came through the web gateway, the browser's), followed by how the identity was proved where it
+// was: "ipv4:10.0.0.2:4711 (token k3f9a2c1)".
 application::Caller caller_of(const grpc::CallbackServerContext& context);
 
 // The identity behind the call.

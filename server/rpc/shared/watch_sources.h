@@ -3,7 +3,8 @@
 // decided here.
 //
 // progress, jobs, targets: the latest state only. events: all of them, by cursor from the record.
-// readings: the newest 256, and a count of those missed. export: all of it, in pieces.
+// readings: the newest 256, and a count of those missed. export, archive, report: all of it, in
+// pieces, within the memory that there is for whole texts (whole_texts.h).
 
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "server/application/ports/caller.h"
 #include "server/compensation/target.h"
 #include "server/rpc/shared/stream.h"
+#include "server/rpc/shared/whole_texts.h"
 
 namespace driftwise::rpc {
 
@@ -52,16 +54,16 @@ std::unique_ptr<StreamSource<v1::WatchTargetsResponse>> watch_targets(
     compensation::TargetRequest request, Nanoseconds min_interval);
 
 std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(
-    const application::Host& host, application::Datasets& datasets, std::vector<RunId> runs,
+    std::shared_ptr<WholeTexts> texts, application::Datasets& datasets, std::vector<RunId> runs,
     bool without_excluded);
 
 // The whole archive, in pieces.
 std::unique_ptr<StreamSource<v1::GetSupportBundleResponse>> support_bundle(
-    const application::Host& host, application::SupportBundles& bundles,
+    std::shared_ptr<WholeTexts> texts, application::SupportBundles& bundles,
     application::Caller caller);
 
 // The whole page, in pieces. Ends with BAD_ID for a run that no number of a run can be.
-std::unique_ptr<StreamSource<v1::GetReportResponse>> run_report(const application::Host& host,
+std::unique_ptr<StreamSource<v1::GetReportResponse>> run_report(std::shared_ptr<WholeTexts> texts,
                                                                 application::Reports& reports,
                                                                 std::int64_t run);
 

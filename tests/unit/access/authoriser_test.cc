@@ -23,14 +23,39 @@ class AuthoriserTest : public testing::Test {
     make(LoopbackRule::token);
   }
   void make(LoopbackRule loopback) {
-    authoriser =
-        std::make_unique<Authoriser>(Authoriser::Parts{.loopback = loopback,
-                                                       .tokens = book.get(),
-                                                       .local_token = kLocal,
-                                                       .local_user = "daemon-user",
-                                                       .steady = [this] { return now; },
-                                                       .utc_s = [] { return 1'800'000'000; }});
+    authoriser = std::make_unique<Authoriser>(Authoriser::Parts{.loopback = loopback,
+                                                                .tokens = book.get(),
+                                                                .local_token = kLocal,
+                                                                .local_user = "daemon-user",
+                                                                .steady = [this] { return now; },
+                                                                .utc_s = [this] { return utc_s; }});
     authoriser->tell(&notes);
+  }
+  // A client certificate that is good until 2027-01-25.
+  Evidence shown_by_robot() const {
+    const auto openssl = [](std::vector<std::string> words) {
+      words.insert(words.begin(), "/usr/bin/openssl");
+      const auto done = tests::run_process(words);
+      EXPECT_EQ(done.code, 0) << done.err;
+    };
+    const std::string key = folder.path() + "/robot.key", index = folder.path() + "/index",
+                      settings = folder.path() + "/ca.cnf", request = folder.path() + "/robot.csr",
+                      path = folder.path() + "/robot.pem";
+    tests::write_file(index, "");
+    tests::write_file(settings, "[ca]\ndefault_ca = own\n[own]\ndatabase = " + index +
+                                    "\nnew_certs_dir = " + folder.path() +
+                                    "\nrand_serial = yes\ndefault_md = sha256\npolicy = any\n"
+                                    "[any]\ncommonName = supplied\n");
+    openssl({"req", "-new", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes",
+             "-keyout", key, "-out", request, "-subj", "/CN=robot"});
+    openssl({"ca", "-batch", "-config", settings, "-selfsign", "-keyfile", key, "-in", request,
+             "-startdate", "20261101000000Z", "-enddate", "20270125000000Z", "-notext", "-out",
+             path});
+    return {.door = Door::tls,
+            .from = kFrom,
+            .certificate_name = "robot",
+            .certificate_uris = {"driftwise:role/controller"},
+            .certificate_pem = tests::read_file(path)};
   }
   std::string token(Role role) {
     return book->create(std::string(to_string(role)) + "-1", role, "ada", 1'800'000'000, {})->text;
@@ -41,6 +66,7 @@ class AuthoriserTest : public testing::Test {
   tests::TemporaryFolder folder;
   std::unique_ptr<TokenBook> book;
   WrongTries::Instant now{1000h};
+  std::int64_t utc_s = 1'800'000'000;  // 2027-01-15
   Notes notes;
   std::unique_ptr<Authoriser> authoriser;
 };
@@ -107,33 +133,34 @@ TEST_F(AuthoriserTest, KnowsWhichTokensAndShownCertificatesEndSoon) {
       book->create("press", Role::controller, "ada", kNow - 300 * kDay, kNow + 20 * kDay);
   book->create("stage", Role::controller, "ada", kNow - 300 * kDay, kNow + 60 * kDay).value();
   token(Role::viewer);  // without an end
-  const auto path = folder.path() + "/robot.pem";
-  const auto openssl = [](std::vector<std::string> words) {
-    words.insert(words.begin(), "/usr/bin/openssl");
-    const auto done = tests::run_process(words);
-    EXPECT_EQ(done.code, 0) << done.err;
-  };
-  const std::string key = folder.path() + "/robot.key", index = folder.path() + "/index",
-                    settings = folder.path() + "/ca.cnf", request = folder.path() + "/robot.csr";
-  tests::write_file(index, "");
-  tests::write_file(settings, "[ca]\ndefault_ca = own\n[own]\ndatabase = " + index +
-                                  "\nnew_certs_dir = " + folder.path() +
-                                  "\nrand_serial = yes\ndefault_md = sha256\npolicy = any\n"
-                                  "[any]\ncommonName = supplied\n");
-  openssl({"req", "-new", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes",
-           "-keyout", key, "-out", request, "-subj", "/CN=robot"});
-  openssl({"ca", "-batch", "-config", settings, "-selfsign", "-keyfile", key, "-in", request,
-           "-startdate", "20261101000000Z", "-enddate", "20270125000000Z", "-notext", "-out",
-           path});
-  ASSERT_TRUE(authoriser->identify({.door = Door::tls,
-                                    .from = kFrom,
-                                    .certificate_name = "robot",
-                                    .certificate_uris = {"driftwise:role/controller"},
-                                    .certificate_pem = tests::read_file(path)}));
+  ASSERT_TRUE(authoriser->identify(shown_by_robot()));
   std::vector<std::string> subjects;
   for (const auto& one : authoriser->ending()) subjects.push_back(one.subject);
   EXPECT_THAT(subjects,
               testing::UnorderedElementsAre("token " + a->record.id, "certificate of robot"));
+}
+
+TEST_F(AuthoriserTest, RefusesACertificateThatEndedWhileItsConnectionStands) {
+  const auto shown = shown_by_robot();
+  ASSERT_TRUE(authoriser->identify(shown));
+  utc_s = 1'800'835'200;  // 2027-01-25, its end
+  const auto refused = authoriser->identify(shown);
+  ASSERT_FALSE(refused) << "the call was served";
+  EXPECT_EQ(refused.error().code, ErrorCode::unauthenticated);
+  EXPECT_EQ(refused.error().reason, "CERTIFICATE_EXPIRED");
+  EXPECT_THAT(refused.error().message, HasSubstr("'robot' has ended on 2027-01-25"));
+  EXPECT_THAT(notes.all.back().detail, HasSubstr("has ended"));
+  EXPECT_THAT(authoriser->ending().front().message, HasSubstr("calls with it are refused"));
+}
+
+TEST_F(AuthoriserTest, KnowsGoodTokensWithoutAScrypt) {
+  const std::string good = token(Role::operator_);
+  EXPECT_FALSE(authoriser->knows(good)) << "it was not checked yet";
+  ASSERT_TRUE(authoriser->identify({.from = kFrom, .bearer = good}));
+  EXPECT_TRUE(authoriser->knows(good));
+  EXPECT_TRUE(authoriser->knows(kLocal)) << "that of the state folder is in no book";
+  EXPECT_FALSE(authoriser->knows("dwt_wrong"));
+  EXPECT_FALSE(authoriser->knows(""));
 }
 
 TEST_F(AuthoriserTest, TakesTheTokenOverTheCertificate) {

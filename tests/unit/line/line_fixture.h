@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
+#include <ctime>
 #include <functional>
 #include <future>
 #include <stdexcept>
@@ -29,7 +31,7 @@ class LineDoors : public testing::Test {
     AccessDescription description;
     description.configured = true;
     description.loopback = LoopbackRule::token;
-    access_ = *access::Access::open(description, folder_.path());
+    access_ = *access::Access::open(description, folder_.path(), [this] { return utc_s_.load(); });
     auto builder = std::move(*compensation::SnapshotBuilder::create(
         compensation::axis_model(), ModelId{3}, compensation::axis_cell()));
     if (!board_.publish(builder.build(clock_.now().utc))) throw std::runtime_error("no snapshot");
@@ -71,6 +73,7 @@ class LineDoors : public testing::Test {
   const tests::TestCertificates certificates_{folder_.path()};
   tests::ManualClock clock_;
   compensation::SnapshotBoard board_;
+  std::atomic<std::int64_t> utc_s_{std::time(nullptr)};  // what ends, ends by this clock
   std::unique_ptr<access::Access> access_;
   std::unique_ptr<TargetLineServer> server_;
   asio::executor_work_guard<asio::io_context::executor_type> work_;

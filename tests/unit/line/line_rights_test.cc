@@ -86,6 +86,39 @@ TEST_F(LineDoors, StopAnsweringATokenThatWasRevoked) {
   EXPECT_THAT(answer, StartsWith("ERR NO_IDENTITY "));
 }
 
+TEST_F(LineDoors, StopAnsweringACertificateThatHasEnded) {
+  ASSERT_TRUE(start(tls_door()));
+  TlsClient controller(server_->address(),
+                       certificates_.client("stage", "driftwise:role/controller"));
+  ASSERT_THAT(controller.ask("TARGET x_mm=1"), StartsWith("OK q1_mm="));
+  utc_s_ += 100LL * 365 * 86'400;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  std::string answer;
+  do answer = controller.ask("TARGET x_mm=1");
+  while (answer.starts_with("OK") && std::chrono::steady_clock::now() < end);
+  EXPECT_THAT(answer, StartsWith("ERR NO_IDENTITY "));
+}
+
+TEST_F(LineDoors, GiveNoRightsToATokenThatWasRevokedBeforeTheyAreTaken) {
+  LineRights rights(*access_, LineKind::tls, "ipv4:10.0.0.2:4711");
+  const std::string text = token("stage", access::Role::controller);
+  auto who = access_->authoriser().identify(rights.evidence_of(text));
+  ASSERT_TRUE(who);
+  ASSERT_TRUE(access_->tokens().revoke(who->credential));
+  rights.take(std::move(*who));
+  EXPECT_FALSE(rights.may_ask());
+  EXPECT_FALSE(rights.known());
+}
+
+TEST_F(LineDoors, KeepTheRightsOfTheTokenOfTheStateFolder) {
+  LineRights rights(*access_, LineKind::tls, "ipv4:10.0.0.2:4711");
+  std::string text = tests::read_file(access_->token_file());
+  text.pop_back();  // the line's end
+  rights.take(*access_->authoriser().identify(rights.evidence_of(text)));
+  utc_s_ += 100LL * 365 * 86'400;
+  EXPECT_TRUE(rights.may_ask());
+}
+
 TEST_F(LineDoors, SlowWrongTokensAndCloseTheConnection) {
   ASSERT_TRUE(start(tls_door()));
   int tries = 0;

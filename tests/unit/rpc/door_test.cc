@@ -1,6 +1,7 @@
 // The gRPC door under attack, over real sockets on loopback. Each attack is a bounded loop.
 
 #include <arpa/inet.h>
+#include <grpcpp/generic/generic_stub.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -13,6 +14,8 @@
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
+#include "server/access/access.h"
+#include "tests/support/process.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
 namespace driftwise::tests {
@@ -38,13 +41,24 @@ std::size_t resident_bytes() {
 class IdleConnection {
  public:
   explicit IdleConnection(const std::string& address) {
-    sockaddr_in peer{};
-    peer.sin_family = AF_INET;
-    peer.sin_port =
+    const auto port =
         htons(static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
-    inet_pton(AF_INET, "127.0.0.1", &peer.sin_addr);
-    socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    connected_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&peer), sizeof peer) == 0;
+    const bool v6 = address.starts_with("[::1]");
+    sockaddr_storage peer{};
+    auto& v4_peer = reinterpret_cast<sockaddr_in&>(peer);
+    auto& v6_peer = reinterpret_cast<sockaddr_in6&>(peer);
+    if (v6) {
+      v6_peer.sin6_family = AF_INET6;
+      v6_peer.sin6_port = port;
+      v6_peer.sin6_addr = in6addr_loopback;
+    } else {
+      v4_peer.sin_family = AF_INET;
+      v4_peer.sin_port = port;
+      inet_pton(AF_INET, "127.0.0.1", &v4_peer.sin_addr);
+    }
+    socket_ = ::socket(peer.ss_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    connected_ = ::connect(socket_, reinterpret_cast<sockaddr*>(&peer),
+                           v6 ? sizeof v6_peer : sizeof v4_peer) == 0;
     static constexpr char kPreface[] = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0";
     if (connected_) connected_ = ::send(socket_, kPreface, sizeof kPreface - 1, MSG_NOSIGNAL) > 0;
   }
@@ -78,6 +92,23 @@ class RpcDoor : public RpcTest {
     event.what = what;
     cell.on_executor([&] { feeds.events.publish(event); });
   }
+  void keeps_the_stream_beside_idle_connections() {
+    Call call;
+    CellStub stub(channel);
+    const auto reader = stub.WatchEvents(&call, {});
+    ASSERT_TRUE(eventually([&] { return feeds.events.now == 1; }));
+    std::vector<IdleConnection> idle;
+    for (int i = 0; i < 300; ++i) idle.emplace_back(server->address());
+    EXPECT_TRUE(eventually([&] {
+      return std::any_of(idle.begin(), idle.end(), [](const auto& one) { return one.closed(); });
+    }));
+    tell("still here");
+    v1::WatchEventsResponse event;
+    ASSERT_TRUE(reader->Read(&event)) << "idle connections made room, not the stream's";
+    EXPECT_EQ(event.event().what(), "still here");
+    call.TryCancel();
+    EXPECT_FALSE(reader->Finish().ok());
+  }
   FakeFeeds feeds;
 };
 
@@ -98,22 +129,109 @@ TEST_F(RpcDoor, HoldsIdleConnectionsWithinTheQuota) {
   EXPECT_TRUE(ask(&CellStub::StopAll, {}, "ada")) << "a new client's stop comes in";
 }
 
-TEST_F(RpcDoor, KeepsTheConnectionThatHasACall) {
+TEST_F(RpcDoor, KeepsTheConnectionThatHasACall) { keeps_the_stream_beside_idle_connections(); }
+
+class RpcDoorOfIpV6 : public RpcDoor {
+ protected:
+  RpcDoorOfIpV6() { door_address = "[::1]:0"; }
+  void SetUp() override {
+    const int socket = ::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in6 where{};
+    where.sin6_family = AF_INET6;
+    where.sin6_addr = in6addr_loopback;
+    const bool there = ::bind(socket, reinterpret_cast<sockaddr*>(&where), sizeof where) == 0;
+    ::close(socket);
+    if (!there) GTEST_SKIP() << "this computer has no IPv6";
+    RpcDoor::SetUp();
+  }
+};
+
+TEST_F(RpcDoorOfIpV6, KeepsTheConnectionThatHasACall) {
+  keeps_the_stream_beside_idle_connections();
+}
+
+TEST_F(RpcDoor, KeepsTheStreamsOfPeopleWhereStrangersWatchTheHealth) {
   Call call;
   CellStub stub(channel);
   const auto reader = stub.WatchEvents(&call, {});
   ASSERT_TRUE(eventually([&] { return feeds.events.now == 1; }));
-  std::vector<IdleConnection> idle;
-  for (int i = 0; i < 300; ++i) idle.emplace_back(server->address());
-  EXPECT_TRUE(eventually([&] {
-    return std::any_of(idle.begin(), idle.end(), [](const auto& one) { return one.closed(); });
-  }));
+  // Health answers everybody, so nobody known stands behind these.
+  struct Watch {
+    Call call;
+    grpc::CompletionQueue queue;
+    std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream;
+    grpc::ByteBuffer first;
+    bool next() {
+      void* tag = nullptr;
+      bool ok = false;
+      return queue.Next(&tag, &ok) && ok;
+    }
+  };
+  std::vector<std::unique_ptr<Watch>> watches;
+  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  const grpc::Slice no_bytes("");
+  const grpc::ByteBuffer nothing(&no_bytes, 1);
+  for (std::size_t i = 0; i < rpc::CallBook::Quotas{}.streams_in_all + 20; ++i) {
+    if (i % 60 == 0) {
+      grpc::ChannelArguments own;
+      own.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+      channels.push_back(
+          grpc::CreateCustomChannel(server->address(), grpc::InsecureChannelCredentials(), own));
+    }
+    auto watch = std::make_unique<Watch>();
+    grpc::GenericStub health(channels.back());
+    watch->stream = health.PrepareCall(&watch->call, "/grpc.health.v1.Health/Watch", &watch->queue);
+    watch->stream->StartCall(nullptr);
+    ASSERT_TRUE(watch->next());
+    watch->stream->Write(nothing, nullptr);
+    ASSERT_TRUE(watch->next());
+    watch->stream->Read(&watch->first, nullptr);
+    ASSERT_TRUE(watch->next()) << "stranger " << i << " is served";
+    watches.push_back(std::move(watch));
+  }
   tell("still here");
   v1::WatchEventsResponse event;
-  ASSERT_TRUE(reader->Read(&event)) << "idle connections made room, not the stream's";
-  EXPECT_EQ(event.event().what(), "still here");
+  EXPECT_TRUE(reader->Read(&event)) << "strangers' streams made room, not ada's";
   call.TryCancel();
-  EXPECT_FALSE(reader->Finish().ok());
+  reader->Finish();
+  for (auto& watch : watches) {
+    watch->call.TryCancel();
+    watch->queue.Shutdown();
+    void* tag = nullptr;
+    bool ok = false;
+    while (watch->queue.Next(&tag, &ok)) {
+    }
+  }
+}
+
+TEST_F(RpcDoor, GivesEachConnectionOfTheLocalSocketItsOwnStreams) {
+  server.reset();
+  const TemporaryFolder folder;
+  const auto access = *access::Access::open({}, folder.path());
+  server = *rpc::RpcServer::open(cell.services(fakes), "127.0.0.1:0", {}, access.get());
+  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  std::vector<std::unique_ptr<Call>> calls;
+  std::vector<std::unique_ptr<grpc::ClientReader<v1::WatchEventsResponse>>> readers;
+  for (int i = 0; i < 80; ++i) {
+    if (i % 20 == 0) {
+      grpc::ChannelArguments own;
+      own.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+      channels.push_back(grpc::CreateCustomChannel("unix:" + server->socket_path(),
+                                                   grpc::InsecureChannelCredentials(), own));
+    }
+    CellStub stub(channels.back());
+    calls.push_back(std::make_unique<Call>());
+    readers.push_back(stub.WatchEvents(calls.back().get(), {}));
+    ASSERT_TRUE(eventually([&] { return feeds.events.begun == i + 1; }));
+  }
+  tell("news");
+  v1::WatchEventsResponse event;
+  int served = 0;
+  for (auto& reader : readers) served += reader->Read(&event) ? 1 : 0;
+  EXPECT_EQ(served, 80) << "four connections of twenty streams, each within the quota";
+  for (auto& call : calls) call->TryCancel();
+  for (auto& reader : readers) reader->Finish();
+  server.reset();
 }
 
 TEST_F(RpcDoor, EndsTheSlowestStreamOfAConnectionBeyondItsQuota) {
@@ -166,7 +284,7 @@ TEST(CallBook, EndsTheStreamThatBlocksBeforeOneWithoutNews) {
   rpc::CallBook book({.streams_in_all = 2, .streams_per_connection = 2});
   std::string ended;
   const auto enter = [&](const char* name) {
-    return book.enter("ipv4:127.0.0.1:1", true, [&ended, name] { ended += name; });
+    return book.enter({"ipv4:127.0.0.1:1", true, true}, [&ended, name] { ended += name; });
   };
   auto quiet = enter("quiet ");
   auto blocked = enter("blocked ");
@@ -176,9 +294,9 @@ TEST(CallBook, EndsTheStreamThatBlocksBeforeOneWithoutNews) {
   EXPECT_EQ(ended, "blocked ");
   auto fourth = enter("fourth ");
   EXPECT_EQ(ended, "blocked quiet ");
-  EXPECT_EQ(book.open_calls("ipv4:127.0.0.1:1"), 4U);
+  EXPECT_EQ(book.known_calls("ipv4:127.0.0.1:1"), 4U);
   blocked.reset();
-  EXPECT_EQ(book.open_calls("ipv4:127.0.0.1:1"), 3U);
+  EXPECT_EQ(book.known_calls("ipv4:127.0.0.1:1"), 3U);
 }
 
 TEST(CallBook, CountsAStreamOfTheGatewayAgainstTheWholeOnly) {
@@ -186,11 +304,36 @@ TEST(CallBook, CountsAStreamOfTheGatewayAgainstTheWholeOnly) {
   int ended = 0;
   std::vector<std::unique_ptr<rpc::CallBook::Entry>> entries;
   for (int i = 0; i < 3; ++i)
-    entries.push_back(book.enter("inproc:1", true, [&ended] { ++ended; }));
+    entries.push_back(book.enter({"", true, true}, [&ended] { ++ended; }));
   EXPECT_EQ(ended, 0);
-  entries.push_back(book.enter("ipv4:127.0.0.1:1", true, [&ended] { ++ended; }));
+  entries.push_back(book.enter({"ipv4:127.0.0.1:1", true, true}, [&ended] { ++ended; }));
   EXPECT_EQ(ended, 1);
   EXPECT_EQ(book.streams(), 3U);
+}
+
+TEST(CallBook, EndsStreamsThatNobodyKnownHasBegunBeforeThoseOfPeople) {
+  rpc::CallBook book({.streams_in_all = 4, .streams_per_connection = 4});
+  std::string ended;
+  std::vector<std::unique_ptr<rpc::CallBook::Entry>> entries;
+  entries.push_back(book.enter({"ipv4:10.0.0.2:1", true, true}, [&ended] { ended += "ada "; }));
+  for (int i = 0; i < 20; ++i)
+    entries.push_back(book.enter({"ipv4:10.0.0.9:" + std::to_string(i), true, false},
+                                 [&ended] { ended += "stranger "; }));
+  EXPECT_EQ(ended.find("ada"), std::string::npos) << ended;
+  EXPECT_EQ(book.streams(), 4U);
+  EXPECT_EQ(book.known_calls("ipv4:10.0.0.9:3"), 0U) << "its connection is nobody's either";
+}
+
+TEST(CallBook, TellsConnectionsOfOneNameApart) {
+  rpc::CallBook book({.streams_in_all = 9, .streams_per_connection = 2});
+  const int one = 1, other = 2;
+  int ended = 0;
+  std::vector<std::unique_ptr<rpc::CallBook::Entry>> entries;
+  for (const int* connection : {&one, &other, &one, &other})
+    entries.push_back(book.enter({"unix:", true, true, connection}, [&ended] { ++ended; }));
+  EXPECT_EQ(ended, 0) << "two streams of each";
+  entries.push_back(book.enter({"unix:", true, true, &one}, [&ended] { ++ended; }));
+  EXPECT_EQ(ended, 1);
 }
 
 // A client of HTTP/2 by hand: one call whose message of 33 MB comes as fast as the other side lets

@@ -17,7 +17,7 @@ namespace driftwise::tests {
 class RpcTest : public testing::Test {
  protected:
   void SetUp() override {
-    auto opened = rpc::RpcServer::open(cell.services(fakes), "127.0.0.1:0");
+    auto opened = rpc::RpcServer::open(cell.services(fakes), door_address);
     if (!opened) throw std::runtime_error(opened.error().message);
     server = std::move(*opened);
     server->ready(true);
@@ -37,6 +37,8 @@ class RpcTest : public testing::Test {
                    std::chrono::seconds(20));  // a hang fails instead
     }
   };
+
+  std::string door_address = "127.0.0.1:0";  // set before SetUp()
 
   // One unary call; the response, or the error with its reason.
   template <class Stub, class Request, class Response>

@@ -3,7 +3,10 @@
 #include "server/watchdog/heads_log.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+
+#include <csignal>
 
 #include "tests/support/process.h"
 
@@ -45,6 +48,38 @@ TEST_F(HeadsLogTest, ALineThatWasCutOffCostsNoOther) {
   EXPECT_EQ(log.newest().at("a").head, head(1, 'a'));
   EXPECT_TRUE(log.keep("a", kAt, head(2, 'b')));
   EXPECT_EQ(HeadsLog::open(path).value().newest().at("a").head, head(2, 'b'));
+}
+
+TEST_F(HeadsLogTest, ALineThatWasCutOffWithinItsNameIsNoCell) {
+  const std::string one = "2026-11-21T08:00:00Z " + std::string(64, 'a') + "@3 cell-a";
+  tests::write_file(path, one + "\n" + one.substr(0, one.size() - 3));
+  {
+    auto log = HeadsLog::open(path).value();
+    EXPECT_EQ(log.newest().size(), 1U) << "a cell 'cel' would be missed for ever";
+    EXPECT_TRUE(log.keep("cell-a", kAt, head(4, 'b')));
+  }
+  const auto again = HeadsLog::open(path).value();
+  ASSERT_EQ(again.newest().size(), 1U) << tests::read_file(path);
+  EXPECT_EQ(again.newest().at("cell-a").head, head(4, 'b'));
+}
+
+// A full disk takes a part of a line; the limit of a file's size does the same.
+TEST_F(HeadsLogTest, ALineThatWasWrittenInPartIsEndedBeforeTheNext) {
+  auto log = HeadsLog::open(path).value();
+  ASSERT_TRUE(log.keep("cell-a", kAt, head(3, 'a')));
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit tight{tests::read_file(path).size() + 91, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
+  const auto refused = log.keep("cell-b", kAt, head(5, 'b'));
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "DISK_FULL");
+  EXPECT_TRUE(log.keep("cell-a", kAt, head(6, 'c')));
+  const auto again = HeadsLog::open(path).value();
+  ASSERT_EQ(again.newest().size(), 1U) << tests::read_file(path);
+  EXPECT_EQ(again.newest().at("cell-a").head, head(6, 'c'));
 }
 
 TEST_F(HeadsLogTest, AFileThatCannotBeWrittenIsNamed) {

@@ -5,11 +5,14 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <future>
 #include <mutex>
 #include <thread>
 
 #include "server/notify/outside_notifier.h"
+#include "server/watchdog/watchdog_door.h"
 #include "tests/support/process.h"
 
 namespace driftwise::watchdog {
@@ -120,6 +123,22 @@ TEST_F(WatchdogTest, TakesNothingWithoutTheToken) {
   ASSERT_FALSE(said);
   EXPECT_THAT(said.error().message, HasSubstr("HTTP 401"));
   EXPECT_EQ(tests::read_file(heads), "");
+}
+
+TEST_F(WatchdogTest, TakesASignOfLifeBesideConnectionsThatSayNothing) {
+  begin(1000);
+  boost::asio::io_context context;
+  std::vector<boost::asio::ip::tcp::socket> silent;
+  const boost::asio::ip::tcp::endpoint door(
+      boost::asio::ip::make_address("127.0.0.1"),
+      static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
+  for (std::size_t i = 0; i < 2 * WatchdogDoor::kMaxConnections; ++i) {
+    silent.emplace_back(context);
+    silent.back().connect(door);
+  }
+  const auto said = say(sign(4, 'a'));
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "HTTP 204");
 }
 
 TEST_F(WatchdogTest, SpeaksTlsWithACertificateThatIsVerified) {

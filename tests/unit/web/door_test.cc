@@ -57,9 +57,7 @@ class SmallSite final : public web::HttpSite {
   SmallSite(asio::any_io_executor executor, std::atomic<int>& stops,
             std::shared_ptr<std::vector<Watched*>> watched)
       : executor_(std::move(executor)), stops_(stops), watched_(std::move(watched)) {}
-  std::variant<web::HttpResponse, std::size_t> admit(const web::HttpRequest&) override {
-    return kMostBody;
-  }
+  Awaitable<Admitted> admit(const web::HttpRequest&) override { co_return kMostBody; }
   Awaitable<web::HttpResponse> answer(web::HttpRequest request) override {
     if (request.path() == kStop) ++stops_;
     web::HttpResponse response = web::plain_answer(200, "page\n");

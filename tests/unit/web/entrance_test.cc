@@ -217,6 +217,25 @@ TEST_F(Entering, HoldsNoLargeBodyOfSomebodyUnknown) {
   EXPECT_EQ(client.reply().status, 413);
 }
 
+TEST_F(Entering, TakesTheLargeBodyOfAGoodTokenAlsoWhenItIsTheFirstCallWithIt) {
+  const auto send_large = [this](const std::string& bearer, const std::string& kind) {
+    HttpClient client(address());
+    const std::string message = framed(std::string(100'000, 'x'));  // no request: that is for later
+    const auto body =
+        kind == "whole" ? "Content-Length: " + std::to_string(message.size()) + "\r\n\r\n" + message
+                        : "Transfer-Encoding: chunked\r\n\r\n186a5\r\n" + message + "\r\n0\r\n\r\n";
+    client.send("POST /driftwise.v1.DataService/ImportDataset HTTP/1.1\r\nHost: " + address() +
+                "\r\nAuthorization: Bearer " + bearer + "\r\n" + kGrpcWeb + body);
+    return client.reply().status;
+  };
+  EXPECT_EQ(send_large(token("fresh", access::Role::operator_), "whole"), 200);
+  EXPECT_EQ(send_large(token("other", access::Role::operator_), "in chunks"), 200);
+  std::string local = read_file(access->token_file());
+  local.pop_back();  // the line's end
+  EXPECT_EQ(send_large(local, "whole"), 200) << "that of the state folder is in no book";
+  EXPECT_EQ(send_large("dwt_wrong", "whole"), 401);
+}
+
 class EnteringByTls : public Entering {
  protected:
   std::unique_ptr<tls::TlsMaterial> material() override {
