@@ -215,10 +215,10 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
                        "waits; make room on the disk, or look whether it is still there and takes "
                        "what is written (the log says)",
                    .settling = seconds_from(clock_.now().utc - *since) <= unwritten_s});
-  if (writer_.dropped() > 0)
+  if (writer_.is_dropping())
     out.push_back({AlarmLevel::failed, "record.dropped", "database",
-                   "slow readings were dropped because nothing could be written: make room on the "
-                   "disk; the record says from when to when"});
+                   "slow readings are dropped because nothing can be written: make room on the "
+                   "disk; the event recorder.dropped will say how many"});
   return out;
 }
 

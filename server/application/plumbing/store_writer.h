@@ -42,6 +42,8 @@ class StoreWriter : public AsyncStore {
   // Since when the oldest reading or move has waited; none when nothing does.
   std::optional<CellTime> gathered_since() const;
   std::int64_t dropped() const { return dropped_; }
+  // Readings that come now are dropped: as many wait as may.
+  bool is_dropping() const { return dropped_ > 0 && readings_.size() >= kMaxReadings; }
 
  private:
   void put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves,

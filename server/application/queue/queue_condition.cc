@@ -214,12 +214,18 @@ ConditionVerdict judge(const QueueCondition& condition, const ConditionRecord& r
   if (record.series.columns.empty()) return {false, wish + ": nothing is recorded"};
   const auto& column = record.series.columns.front();
   if (is_lowest) return judge_lowest(condition, record, column, wish);
-  // The newest bucket may still be on its way to the record: the newest value stands for it.
+  // A channel that is read more seldom than a bucket is long leaves some empty: a gap is longer
+  // than its readings may be apart. The newest bucket may still be on its way to the record: the
+  // newest value stands for it.
   std::optional<std::size_t> beyond, gap;
+  const double bucket_s = seconds_from(record.series.bucket);
+  double empty_s = 0;
   for (std::size_t i = 0; i < column.count.size(); ++i) {
     const bool is_last = i + 1 == column.count.size() && i > 0;
-    if (column.count[i] == 0 || is_missing(column.min[i])) {
-      if (!is_last) gap = i;
+    const bool is_empty = column.count[i] == 0 || is_missing(column.min[i]);
+    empty_s = is_empty ? empty_s + bucket_s : 0;
+    if (is_empty) {
+      if (!is_last && empty_s > record.most_age_s) gap = i;
     } else if (is_beyond(condition, column.min[i]) || is_beyond(condition, column.max[i])) {
       beyond = i;
     }

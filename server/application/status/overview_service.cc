@@ -84,9 +84,9 @@ std::vector<std::string> OverviewService::attention() const {
     sentences.push_back(std::move(overdue.sentence));
   for (const auto& condition : upkeep_.conditions()) sentences.push_back(condition.message);
   for (const auto& condition : notify_.conditions()) sentences.push_back(condition.message);
-  if (writer_.dropped() > 0)
-    sentences.push_back(
-        fmt::format("{} slow readings were dropped: nothing could be written", writer_.dropped()));
+  if (writer_.is_dropping())
+    sentences.push_back(fmt::format("slow readings are dropped, {} so far: nothing can be written",
+                                    writer_.dropped()));
   return sentences;
 }
 

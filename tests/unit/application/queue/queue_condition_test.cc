@@ -88,6 +88,16 @@ TEST(Condition, IsNotMetAcrossAGapOfTheRecord) {
       << "the newest bucket may be on its way to the disk";
 }
 
+// Ten minutes a bucket: readings that may be twenty minutes apart leave one empty.
+TEST(Condition, IsMetByAChannelThatIsReadSeldom) {
+  auto seldom = record_of(20.3, {20.4, kMissing, 20.3, kMissing, 20.4, 20.3});
+  seldom.most_age_s = 1200;
+  EXPECT_TRUE(judged("t12 < 20.5 degC for 60 min", seldom).met);
+  seldom = record_of(20.3, {20.4, kMissing, kMissing, kMissing, 20.4, 20.3});
+  seldom.most_age_s = 1200;
+  EXPECT_FALSE(judged("t12 < 20.5 degC for 60 min", seldom).met);
+}
+
 TEST(Condition, IsNotMetByAnOldOrAMissingValue) {
   auto old = record_of(20.3, {20.3, 20.3, 20.3});
   old.age_s = 300;

@@ -92,6 +92,18 @@ TEST_F(QueueTest, MakesARunOfEachEntryInTurn) {
             "entry 1 'a' is done: run 1, 3 of 3 rows accepted");
 }
 
+TEST_F(QueueTest, ListsTheNewestThatAreOver) {
+  ASSERT_TRUE(cell.await(cell->queue.hold(cell.ada, "")));  // none begins
+  for (int i = 0; i < 210; ++i) {
+    const auto line = add(draft("night"));
+    ASSERT_TRUE(cell.await(cell->queue.remove(cell.ada, line.entry.id, "")));
+  }
+  const auto listed = cell->queue.list().lines;
+  ASSERT_EQ(listed.size(), 200U);
+  EXPECT_EQ(listed.front().entry.id.value, 210);
+  EXPECT_EQ(listed.back().entry.id.value, 11);
+}
+
 TEST_F(QueueTest, AnnouncesOnlyARunThatNobodyAskedForJustNow) {
   add(draft("a"));
   const auto b = add(draft("b"));
