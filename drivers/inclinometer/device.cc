@@ -9,14 +9,14 @@ extern const DeviceKind inclinometer;
 const DeviceKind inclinometer{
     .id = "meas-dpl",
     .role = DeviceRole::angle,
-    .read_settings = read_angle_settings,
+    .read_settings = driftwise::inclinometer::read_settings,
     .channels = channels_of_settings,
     .make = [](const DeviceDescription& device,
                const DeviceContext& context) -> Result<MadeDevice> {
       DRIFTWISE_TRY(const auto options, driftwise::inclinometer::read_options(device));
       DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
       return std::make_unique<driftwise::inclinometer::DplInclinometer>(
-          device, options, address, context.executor, context.clock);
+          device, options, address, context.executor, context.clock, context.shared.get());
     }};
 
 }  // namespace driftwise::device_kind

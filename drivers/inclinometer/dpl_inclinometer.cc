@@ -5,6 +5,7 @@
 
 #include "drivers/transport/address.h"
 #include "drivers/transport/options.h"
+#include "server/core/devices/role_settings.h"
 #include "server/core/reasons.h"
 
 namespace driftwise::inclinometer {
@@ -25,15 +26,23 @@ Result<Options> read_options(const DeviceDescription& device) {
   return out;
 }
 
+void read_settings(SettingsReader& reader, DeviceDescription& device) {
+  read_angle_settings(reader, device);
+  const auto options = read_options(device);
+  device.become<AngleSettings>().range_arcsec =
+      kArcsecPerDeg * options.value_or(Options{}).range_deg;
+}
+
 DplInclinometer::DplInclinometer(DeviceDescription device, const Options& options,
                                  const transport::Address& address, asio::any_io_executor executor,
-                                 Clock& clock)
+                                 Clock& clock, SharedByAddress* shared)
     : LineDevice(std::move(device), address, std::move(executor), clock,
                  {.end_of_command = "",
                   .resync_request = "V",
                   .resync_prefix = "s",
                   .serial = options.serial,
-                  .is_resync_reply = ends_identity}),
+                  .is_resync_reply = ends_identity},
+                 shared),
       options_(options) {}
 
 Awaitable<Result<void>> DplInclinometer::set_up() {
@@ -59,7 +68,7 @@ Awaitable<Result<Tilt>> DplInclinometer::read_tilt() {
 }
 
 Awaitable<Result<Reading>> DplInclinometer::read() {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   Reading out;
   out.device = device_.id;
   out.start = clock_.now().utc;

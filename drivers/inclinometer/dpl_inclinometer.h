@@ -7,6 +7,7 @@
 
 #include "drivers/inclinometer/dpl_codec.h"
 #include "drivers/transport/line_device.h"
+#include "server/core/devices/settings_reader.h"
 #include "server/core/ports/instrument.h"
 
 namespace driftwise::inclinometer {
@@ -17,13 +18,16 @@ struct Options {
   double range_deg = 30;  // of the model: beyond it what is sent is not specified (U)
   transport::SerialSettings serial{.baud = 9600};  // 8N1 (U)
 };
+// Angles, whose range is the option range_deg; a wrong option is the driver's matter.
+void read_settings(SettingsReader& reader, DeviceDescription& device);
 // Errors: invalid_argument, BAD_OPTION.
 Result<Options> read_options(const DeviceDescription& device);
 
 class DplInclinometer final : public transport::LineDevice<Instrument> {
  public:
   DplInclinometer(DeviceDescription device, const Options& options,
-                  const transport::Address& address, asio::any_io_executor executor, Clock& clock);
+                  const transport::Address& address, asio::any_io_executor executor, Clock& clock,
+                  SharedByAddress* shared = nullptr);
 
   // Errors besides those of every device: failed_precondition OUT_OF_RANGE: it lies too steep.
   Awaitable<Result<Reading>> read() override;

@@ -18,7 +18,8 @@ const DeviceKind interferometer_adapter{
     .channels = channels_of_settings,
     .make = [](const DeviceDescription& device,
                const DeviceContext& context) -> Result<MadeDevice> {
-      return drivers::make_interferometer_adapter(device, context.executor, context.clock);
+      return drivers::make_interferometer_adapter(device, context.executor, context.clock,
+                                                  context.shared.get());
     },
     .output_options = kAdapterOutputs};
 

@@ -7,11 +7,17 @@
 #include "server/core/units.h"
 
 namespace driftwise::adapter {
+namespace {
+
+constexpr std::int64_t kLostZero = -1;  // no connection has this number
+
+}  // namespace
+
 Interferometer::Interferometer(DeviceDescription device, Options options,
                                const transport::Address& address, asio::any_io_executor executor,
-                               Clock& clock)
+                               Clock& clock, SharedByAddress* shared)
     : LineDevice(std::move(device), address, std::move(executor), clock,
-                 {.resync_request = "IDN?\n"}),
+                 {.resync_request = "IDN?\n"}, shared),
       options_(std::move(options)),
       length_channel_(device_.length()->channel.name()),
       std_channel_(device_.length()->channel.symbol + "_std_nm"),
@@ -37,8 +43,12 @@ Awaitable<Result<void>> Interferometer::set_up() {
                                 ", the adapter has " + std::to_string(identity->channels));
   }
   know_identity(identity->text, reply);
+  // After an answer that only came too late the set-up still stands. Sent again, it would hide that
+  // it was lost, and the zero with it: the number of samples shows that.
+  if (!is_new_connection() && !has_forgotten_) co_return Result<void>{};
   if (auto set = co_await command("AVG " + std::to_string(options_.samples)); !set) co_return set;
   if (auto set = co_await send_dead_path(); !set) co_return set;
+  has_forgotten_ = false;
   co_return Result<void>{};
 }
 
@@ -56,7 +66,7 @@ Awaitable<Result<void>> Interferometer::send_dead_path() {
 }
 
 Awaitable<Result<void>> Interferometer::zero() {
-  if (auto ready = co_await get_ready(); !ready) co_return ready;
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   if (auto set = co_await send_dead_path(); !set) co_return set;
   auto done = co_await command("ZERO " + std::to_string(1 << (options_.channel - 1)));
   if (done) zero_generation_ = link_.generation();
@@ -64,12 +74,13 @@ Awaitable<Result<void>> Interferometer::zero() {
 }
 
 Awaitable<Result<Reading>> Interferometer::read() {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   if (zero_generation_ != 0 && zero_generation_ != link_.generation()) {
-    co_return fail(ErrorCode::failed_precondition, reasons::kBeamLost,
-                   "device '" + device_.id + "' at " + device_.address +
-                       ": the line broke since the last zero and the adapter may have been "
-                       "restarted: zero again");
+    co_return fail(
+        ErrorCode::failed_precondition, reasons::kBeamLost,
+        "device '" + device_.id + "' at " + device_.address +
+            ": the line broke since the last zero, or the set-up got lost, and the adapter "
+            "may have been restarted: zero again");
   }
   const CellTime asked = clock_.now().utc;
   DRIFTWISE_CO_TRY(
@@ -82,7 +93,11 @@ Awaitable<Result<Reading>> Interferometer::read() {
   }
   if (measurement && measurement->samples != options_.samples) {
     measurement = fail(ErrorCode::data_loss, reasons::kBadReply,
-                       "expected n=" + std::to_string(options_.samples));
+                       "expected n=" + std::to_string(options_.samples) +
+                           " as it was set up: it has forgotten its set-up");
+    has_forgotten_ = true;
+    link_.lose_set_up();
+    if (zero_generation_ != 0) zero_generation_ = kLostZero;
   }
   if (!measurement) co_return wrong(measurement);
   if (auto good = check_status(*measurement); !good) co_return link_.wrong_reply(good.error());

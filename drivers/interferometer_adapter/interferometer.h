@@ -4,7 +4,8 @@
 // read() gives <length> in mm, <symbol>_std_nm, the adapter's own air temperature and signal level,
 // with the device's time stamps (t0, t1) as start and end. zero() sends DEADPATH, then ZERO. A line
 // that broke since the last zero means that the adapter may have been restarted and may count from
-// anywhere: read() then answers BEAM_LOST until the next zero().
+// anywhere: read() then answers BEAM_LOST until the next zero(). So it does after a measurement
+// that does not average as the adapter was told: it has lost its set-up without a new connection.
 
 #include "drivers/interferometer_adapter/adapter_codec.h"
 #include "drivers/interferometer_adapter/adapter_options.h"
@@ -17,7 +18,7 @@ namespace driftwise::adapter {
 class Interferometer final : public transport::LineDevice<Instrument> {
  public:
   Interferometer(DeviceDescription device, Options options, const transport::Address& address,
-                 asio::any_io_executor executor, Clock& clock);
+                 asio::any_io_executor executor, Clock& clock, SharedByAddress* shared = nullptr);
 
   DeviceHealth health() const override;
   Awaitable<Result<Reading>> read() override;
@@ -32,7 +33,8 @@ class Interferometer final : public transport::LineDevice<Instrument> {
   Options options_;
   std::string length_channel_, std_channel_;
   Nanoseconds measure_timeout_;
-  std::int64_t zero_generation_ = 0;  // 0: never zeroed by us
+  std::int64_t zero_generation_ = 0;  // 0: never zeroed by us; -1: lost with the set-up
+  bool has_forgotten_ = false;        // the set-up of this connection
   std::int64_t sequence_ = 0;
   transport::DeviceClock clock_of_device_;
   std::int64_t clock_jumps_ = 0;

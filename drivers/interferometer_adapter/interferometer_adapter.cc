@@ -8,7 +8,8 @@ namespace driftwise::drivers {
 
 Result<std::unique_ptr<Instrument>> make_interferometer_adapter(const DeviceDescription& device,
                                                                 asio::any_io_executor executor,
-                                                                Clock& clock) {
+                                                                Clock& clock,
+                                                                SharedByAddress* shared) {
   DRIFTWISE_TRY(auto options, adapter::read_options(device));
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
   if (!device.length() || device.length()->channel.unit != "mm") {
@@ -17,7 +18,7 @@ Result<std::unique_ptr<Instrument>> make_interferometer_adapter(const DeviceDesc
                     "' (interferometer-adapter): expected length = \"<symbol>_mm\", such as x_mm");
   }
   return std::make_unique<adapter::Interferometer>(device, std::move(options), address,
-                                                   std::move(executor), clock);
+                                                   std::move(executor), clock, shared);
 }
 
 }  // namespace driftwise::drivers

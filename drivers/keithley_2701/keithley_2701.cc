@@ -2,6 +2,7 @@
 
 #include "drivers/keithley_2701/scanned_device.h"
 #include "drivers/keithley_2701/voltage_instrument.h"
+#include "drivers/transport/shared_line.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -30,8 +31,9 @@ Result<std::unique_ptr<Instrument>> make_keithley_2701(const DeviceDescription& 
   const auto make_share = [&] {
     return std::make_shared<keithley::ScannerShare>(address, executor, clock);
   };
-  auto share =
-      shared ? shared->find_or<keithley::ScannerShare>(device.address, make_share) : make_share();
+  auto share = shared ? shared->find_or<keithley::ScannerShare>(
+                            transport::shared_key(address, device.address), make_share)
+                      : make_share();
   DRIFTWISE_RETURN_IF_ERROR(share->add(device, std::move(list)));
   using Made = std::unique_ptr<Instrument>;
   if (device.voltages.motor)

@@ -36,6 +36,7 @@ Nanoseconds Scanner::scan_timeout(const ScanList& list) const {
 
 tl::unexpected<Error> Scanner::nonsense(const Error& error) {
   link_.lose_step();
+  link_.lose_set_up();
   return link_.wrong_reply(error);
 }
 

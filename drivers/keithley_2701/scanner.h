@@ -7,7 +7,10 @@
 // (transport/clock_anchor.h), widened at the front by the first channel's integration. A joined
 // value belongs to their middle; a channel is at most half a scan (2..3 s) away from it, in which a
 // machine part moves by far less than a millikelvin. After a time-out: device clear (0x03), *CLS,
-// and the identity brings the line back in step; the set-up stays.
+// and the identity brings the line back in step. Then it is set up anew, as after a scan that has
+// other fields or channels than were asked for: on a serial line a scanner that lost its mains
+// comes back with the settings of its delivery, without a new connection and with the same
+// identity.
 //
 // Several devices share it, and the caller's mutual exclusion is per device: the connection's own
 // is here. A list is selected before it is scanned, unless it was scanned last.

@@ -45,6 +45,7 @@ class MotorForceInstrument final : public VoltageInstrument, public AxisFollower
 
   const Channel& followed_axis() const override { return device_.voltages.motor->axis; }
   void axis_at(double q_mm) override { direction_.moved_to(q_mm); }
+  void axis_unknown() override { direction_.forget(); }
 
  protected:
   void add_quantities(const std::vector<double>& volts, Reading& reading) const override;

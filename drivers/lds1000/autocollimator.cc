@@ -9,9 +9,9 @@
 namespace driftwise::lds1000 {
 namespace {
 
-std::string set_up_text(Unit unit, double increment) {
+std::string set_up_text(const SetUp& set_up) {
   char text[64];
-  std::snprintf(text, sizeof text, "unit %s, increment %g", name_of(unit), increment);
+  std::snprintf(text, sizeof text, "unit %s, increment %g", name_of(set_up.unit), set_up.increment);
   return text;
 }
 
@@ -19,13 +19,14 @@ std::string set_up_text(Unit unit, double increment) {
 
 Autocollimator::Autocollimator(DeviceDescription device, Options options,
                                const transport::Address& address, asio::any_io_executor executor,
-                               Clock& clock)
+                               Clock& clock, SharedByAddress* shared)
     : LineDevice(std::move(device), address, std::move(executor), clock,
                  {.end_of_command = options.end_of_command,
                   .resync_request = "VE" + options.end_of_command,
-                  .serial = options.serial}),
+                  .serial = options.serial},
+                 shared),
       options_(std::move(options)),
-      units_(device_.angles().size(), Unit::arcsec) {}
+      set_ups_(device_.angles().size()) {}
 
 Awaitable<Result<void>> Autocollimator::set_up() {
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("VE"));
@@ -55,23 +56,38 @@ Awaitable<Result<void>> Autocollimator::set_integration() {
   co_return Result<void>{};
 }
 
+Awaitable<Result<SetUp>> Autocollimator::ask_set_up(int axis) {
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(axis) + "TA"));
+  auto found = parse_set_up(reply, axis);
+  if (!found) co_return wrong(found);
+  co_return found;
+}
+
 Awaitable<Result<void>> Autocollimator::check_axis(std::size_t i) {
   const int axis = device_.angles()[i].device_axis;
-  DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(axis) + "TA"));
-  const auto found = parse_set_up(reply, axis);
-  if (!found) co_return wrong(found);
-  const bool right = found->unit == options_.unit.value_or(found->unit) &&
-                     found->increment == options_.increment.value_or(found->increment);
-  if (!right)
+  DRIFTWISE_CO_TRY(const SetUp found, co_await ask_set_up(axis));
+  const SetUp expected{options_.unit.value_or(found.unit),
+                       options_.increment.value_or(found.increment)};
+  if (found != expected)
     co_return link_.refused(reasons::kWrongSetUp,
-                            "axis " + std::to_string(axis) + " is set up in " +
-                                set_up_text(found->unit, found->increment) +
-                                ", the cell file expects " +
-                                set_up_text(options_.unit.value_or(found->unit),
-                                            options_.increment.value_or(found->increment)) +
+                            "axis " + std::to_string(axis) + " is set up in " + set_up_text(found) +
+                                ", the cell file expects " + set_up_text(expected) +
                                 ": change one of the two");
-  units_[i] = found->unit;
+  set_ups_[i] = found;
   co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Autocollimator::check_still_set_up(std::size_t i) {
+  const int axis = device_.angles()[i].device_axis;
+  DRIFTWISE_CO_TRY(const SetUp found, co_await ask_set_up(axis));
+  if (found == set_ups_[i]) co_return Result<void>{};
+  link_.lose_set_up();
+  co_return link_.refused(reasons::kWrongSetUp,
+                          "axis " + std::to_string(axis) + " is set up in " + set_up_text(found) +
+                              ", it was " + set_up_text(set_ups_[i]) +
+                              " when the controller was set up: it was switched off and on, or "
+                              "somebody changed it. This value is not used; the next reading sets "
+                              "the controller up anew");
 }
 
 Awaitable<Result<void>> Autocollimator::check_spot() {
@@ -86,7 +102,7 @@ Awaitable<Result<void>> Autocollimator::check_spot() {
 }
 
 Awaitable<Result<Reading>> Autocollimator::read() {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_spot());
   Reading out;
   out.device = device_.id;
@@ -96,9 +112,12 @@ Awaitable<Result<Reading>> Autocollimator::read() {
     DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(angle.device_axis) + "TP"));
     const auto value = parse_value(reply, angle.device_axis);
     if (!value) co_return wrong(value);
-    out.values.push_back({angle.channel.name(), angle.sign * arcsec_from(*value, units_[i])});
+    out.values.push_back(
+        {angle.channel.name(), angle.sign * arcsec_from(*value, set_ups_[i].unit)});
   }
   out.end = clock_.now().utc;
+  for (std::size_t i = 0; i < device_.angles().size(); ++i)
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_still_set_up(i));
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_spot());
   out.sequence = ++sequence_;
   co_return out;

@@ -12,8 +12,8 @@ const DeviceKind lds1000{.id = "newport-lds1000",
                          .channels = channels_of_settings,
                          .make = [](const DeviceDescription& device,
                                     const DeviceContext& context) -> Result<MadeDevice> {
-                           return drivers::make_newport_lds1000(device, context.executor,
-                                                                context.clock);
+                           return drivers::make_newport_lds1000(
+                               device, context.executor, context.clock, context.shared.get());
                          }};
 
 }  // namespace driftwise::device_kind

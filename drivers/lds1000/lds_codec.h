@@ -28,6 +28,7 @@ double arcsec_from(double value, Unit unit);
 struct SetUp {
   Unit unit = Unit::arcsec;
   double increment = 0;  // of the display, in its own counting: 0.2 is 0.02 arcsec
+  bool operator==(const SetUp&) const = default;
 };
 
 struct Status {

@@ -8,7 +8,7 @@ namespace driftwise::drivers {
 
 Result<std::unique_ptr<Instrument>> make_newport_lds1000(const DeviceDescription& device,
                                                          asio::any_io_executor executor,
-                                                         Clock& clock) {
+                                                         Clock& clock, SharedByAddress* shared) {
   DRIFTWISE_TRY(auto options, lds1000::read_options(device));
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
   if (device.angles().empty())
@@ -16,7 +16,7 @@ Result<std::unique_ptr<Instrument>> make_newport_lds1000(const DeviceDescription
         ErrorCode::invalid_argument, reasons::kNoAngle,
         "device '" + device.id + "' (newport-lds1000): expected at least one [[device.angle]]");
   return std::make_unique<lds1000::Autocollimator>(device, std::move(options), address,
-                                                   std::move(executor), clock);
+                                                   std::move(executor), clock, shared);
 }
 
 }  // namespace driftwise::drivers

@@ -12,8 +12,8 @@ const DeviceKind load_actuator{.id = "load-actuator",
                                .channels = channels_of_settings,
                                .make = [](const DeviceDescription& device,
                                           const DeviceContext& context) -> Result<MadeDevice> {
-                                 return drivers::make_load_actuator(device, context.executor,
-                                                                    context.clock);
+                                 return drivers::make_load_actuator(
+                                     device, context.executor, context.clock, context.shared.get());
                                }};
 
 }  // namespace driftwise::device_kind

@@ -4,9 +4,9 @@
 
 namespace driftwise::load_actuator {
 Weights::Weights(DeviceDescription device, const transport::Address& address,
-                 asio::any_io_executor executor, Clock& clock)
+                 asio::any_io_executor executor, Clock& clock, SharedByAddress* shared)
     : LineDevice(std::move(device), address, std::move(executor), clock,
-                 {.resync_request = "IDN?\n"}) {}
+                 {.resync_request = "IDN?\n"}, shared) {}
 
 Awaitable<Result<void>> Weights::set_up() {
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("IDN?"));
@@ -17,7 +17,7 @@ Awaitable<Result<void>> Weights::set_up() {
 }
 
 Awaitable<Result<LoadState>> Weights::state() {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("LOAD?"));
   const auto load = parse_load(reply);
   if (!load) co_return wrong(load);
@@ -25,7 +25,7 @@ Awaitable<Result<LoadState>> Weights::state() {
 }
 
 Awaitable<Result<void>> Weights::set_force(double force_n) {
-  if (auto ready = co_await get_ready(); !ready) co_return ready;
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   DRIFTWISE_CO_TRY(const auto reply, co_await ask(load_command(force_n)));
   const auto accepted = parse_ok(reply);
   if (!accepted) co_return wrong(accepted);

@@ -10,7 +10,7 @@ namespace driftwise::load_actuator {
 class Weights final : public transport::LineDevice<LoadActuator> {
  public:
   Weights(DeviceDescription device, const transport::Address& address,
-          asio::any_io_executor executor, Clock& clock);
+          asio::any_io_executor executor, Clock& clock, SharedByAddress* shared = nullptr);
 
   Awaitable<Result<LoadState>> state() override;
   Awaitable<Result<void>> set_force(double force_n) override;

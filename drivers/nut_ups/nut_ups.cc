@@ -59,7 +59,7 @@ Awaitable<Result<double>> NutUps::quantity(std::string name) {
 }
 
 Awaitable<Result<Reading>> NutUps::read() {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   Reading out;
   out.device = device_.id;
   out.start = clock_.now().utc;

@@ -170,7 +170,10 @@ Awaitable<Result<void>> GcsController::start_referencing(std::int64_t stops_seen
 }
 
 Awaitable<Result<void>> GcsController::home() {
-  constexpr double kProgressMm = 1e-5;  // ten nanometres: above the noise of a scale at rest
+  // From the place of the last progress, so that noise cannot add up to a way: above the noise of
+  // any scale that a cell may have (RunRules::quiet_nm), far below the way of a referencing axis.
+  // Not the range seen so far: a referencing axis turns round and goes where it has been.
+  constexpr double kProgress_mm = 1e-3;
   const std::int64_t stops_seen = stops_;
   if (auto started = co_await start_referencing(stops_seen); !started) co_return started;
   CellTime last_progress = clock_.now().utc;
@@ -181,7 +184,7 @@ Awaitable<Result<void>> GcsController::home() {
     const bool done = options_.referenced_by == "memory" ? now.on_target : now.referenced;
     if (!now.moving && done) break;
     for (std::size_t i = 0; i < last_mm.size(); ++i) {
-      if (std::abs(now.q_mm[i] - last_mm[i]) <= kProgressMm) continue;
+      if (std::abs(now.q_mm[i] - last_mm[i]) <= kProgress_mm) continue;
       last_mm[i] = now.q_mm[i];
       last_progress = now.at;
     }
@@ -189,7 +192,8 @@ Awaitable<Result<void>> GcsController::home() {
       co_return fail(
           ErrorCode::deadline_exceeded, reasons::kHomingStalled,
           "device '" + device_.id + "' at " + device_.address + ": " + options_.reference +
-              " accepted, but nothing has moved for " + digits_text(options_.home_stall_s) +
+              " accepted, but no axis has moved by more than 1 um for " +
+              digits_text(options_.home_stall_s) +
               " s and the axes are not referenced; look at the reference switch and the servo");
     }
   }

@@ -43,6 +43,7 @@ class GcsController final : public transport::LineDevice<MotionController> {
   Awaitable<Result<void>> tidy_after_stop();
   Awaitable<Result<void>> set_up() override;
   Result<void> claim(const std::string& key);  // this controller is ours, or nobody claims here
+  Awaitable<Result<bool>> has_kept_its_servo();
   Awaitable<Result<void>> check_travel();
   Awaitable<Result<void>> command(std::string text);  // setter + ERR?
   Awaitable<Result<int>> take_error_number();

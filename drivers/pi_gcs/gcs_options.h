@@ -21,7 +21,7 @@ struct Options {
   double velocity_mm_s = 0;              // 0: as the controller has it
   std::string velocity_command = "VLS";  // VLS (all axes together) | VEL (each)
   double home_poll_s = 0.1;              // cell time between two looks while referencing
-  double home_stall_s = 20.0;  // referencing has failed when nothing has moved for so long
+  double home_stall_s = 20.0;  // referencing has failed when no axis moved by 1 um for so long
   transport::SerialSettings serial{.baud = 115200};
 };
 

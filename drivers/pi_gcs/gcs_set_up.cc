@@ -1,4 +1,5 @@
-// How a controller is found and made ready after every new connection.
+// How a controller is found and made ready after every new connection, and how one that did not
+// answer in time shows whether it has been switched off and on meanwhile.
 
 #include <algorithm>
 #include <cstdio>
@@ -31,14 +32,18 @@ Result<void> GcsController::claim(const std::string& key) {
 }
 
 Awaitable<Result<void>> GcsController::set_up() {
-  referenced_ = false;
-  if (!stop_owed_) trap_.disarm();
   if (auto ours = claim(link_.peer_key()); !ours) co_return ours;
   // After a stop the line is out of step and the identity not known yet: start over rather than
   // guess.
   if (!link_.in_step()) {
     link_.drop("out of step before it was set up");
     if (auto up = co_await link_.connect(timeout_); !up) co_return up;
+  }
+  // On the same connection a move whose answer got lost may be under way.
+  const bool is_known = !is_new_connection();
+  if (!is_known) {
+    referenced_ = false;
+    if (!stop_owed_) trap_.disarm();
   }
   answers_at_rest_ = 0;
   if (stop_owed_)
@@ -50,6 +55,11 @@ Awaitable<Result<void>> GcsController::set_up() {
   DRIFTWISE_CO_TRY(const auto old,
                    co_await take_error_number());  // of the stop, or of an earlier client
   if (old == kStoppedError) trap_.disarm();
+  if (is_known) {
+    DRIFTWISE_CO_TRY(const bool has_kept_it, co_await has_kept_its_servo());
+    if (has_kept_it) co_return co_await refresh_referenced();
+    referenced_ = false;
+  }
 
   DRIFTWISE_CO_TRY(const auto names_text, co_await ask("SAI?\n"));
   DRIFTWISE_CO_TRY(const auto names, checked(parse_axis_names(names_text)));
@@ -75,6 +85,13 @@ Awaitable<Result<void>> GcsController::set_up() {
   }
   if (auto known = co_await refresh_referenced(); !known) co_return known;
   co_return Result<void>{};
+}
+
+// Off in a controller that was switched on again: it then has lost the rest of its set-up too.
+Awaitable<Result<bool>> GcsController::has_kept_its_servo() {
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("SVO?\n"));
+  DRIFTWISE_CO_TRY(const auto servos, checked(parse_axis_flags(reply, axes_)));
+  co_return std::all_of(servos.begin(), servos.end(), [](bool is_on) { return is_on; });
 }
 
 // The soft limits are ours, the travel is the controller's: ours must lie inside.

@@ -15,8 +15,8 @@ const DeviceKind touch_probe{
                const DeviceContext& context) -> Result<MadeDevice> {
       DRIFTWISE_TRY(const auto options, driftwise::touch_probe::read_options(device));
       DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
-      return std::make_unique<driftwise::touch_probe::Nd28xProbe>(device, options, address,
-                                                                  context.executor, context.clock);
+      return std::make_unique<driftwise::touch_probe::Nd28xProbe>(
+          device, options, address, context.executor, context.clock, context.shared.get());
     }};
 
 }  // namespace driftwise::device_kind

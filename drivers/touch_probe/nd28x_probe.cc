@@ -48,9 +48,9 @@ Result<Options> read_options(const DeviceDescription& device) {
 
 Nd28xProbe::Nd28xProbe(DeviceDescription device, const Options& options,
                        const transport::Address& address, asio::any_io_executor executor,
-                       Clock& clock)
+                       Clock& clock, SharedByAddress* shared)
     : LineDevice(std::move(device), address, std::move(executor), clock,
-                 {.end_of_command = "", .resync_request = "", .serial = options.serial}),
+                 {.end_of_command = "", .resync_request = "", .serial = options.serial}, shared),
       options_(options) {}
 
 Awaitable<Result<void>> Nd28xProbe::set_up() {
@@ -82,7 +82,7 @@ bool Nd28xProbe::is_in_contact(const std::vector<double>& values_mm) const {
 }
 
 Awaitable<Result<Reading>> Nd28xProbe::read() {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   Reading out;
   out.device = device_.id;
   out.start = clock_.now().utc;
@@ -100,7 +100,7 @@ Awaitable<Result<Reading>> Nd28xProbe::read() {
 }
 
 Awaitable<Result<void>> Nd28xProbe::zero() {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   DRIFTWISE_CO_TRY(const auto values_mm, co_await read_values_mm());
   if (!is_in_contact(values_mm)) {
     char text[200];

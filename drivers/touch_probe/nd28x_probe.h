@@ -35,7 +35,7 @@ Result<Options> read_options(const DeviceDescription& device);
 class Nd28xProbe final : public transport::LineDevice<Instrument> {
  public:
   Nd28xProbe(DeviceDescription device, const Options& options, const transport::Address& address,
-             asio::any_io_executor executor, Clock& clock);
+             asio::any_io_executor executor, Clock& clock, SharedByAddress* shared = nullptr);
 
   // Errors besides those of every device: failed_precondition INPUT_ERROR, WRONG_SET_UP.
   Awaitable<Result<Reading>> read() override;

@@ -31,6 +31,7 @@ struct SerialSettings {
   int baud = 9600, data_bits = 8, stop_bits = 1;
   Parity parity = Parity::none;
   bool xon_xoff = false;
+  bool operator==(const SerialSettings&) const = default;
 };
 
 // Options baud, data_bits, parity = none|even|odd, stop_bits, flow = none|xonxoff.

@@ -1,17 +1,21 @@
 #pragma once
 // Base of a driver for one device on one text line: link settings, set-up after every new
-// connection, identity that brings the line back in step.
+// connection and whenever the device may have lost it (Link::is_set_up), identity that brings the
+// line back in step.
 //
-// Mutual exclusion is the caller's (server/core/ports/device.h): one call at a time. All on the
-// executor's thread.
+// Mutual exclusion of calls to one device is the caller's (server/core/ports/device.h): one call at
+// a time. Devices on one serial line take turns: every call holds its Turn. All on the executor's
+// thread.
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "drivers/transport/address.h"
 #include "drivers/transport/link.h"
+#include "drivers/transport/shared_line.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -35,31 +39,81 @@ class LineDevice : public Port {
   const DeviceDescription& description() const override { return device_; }
   DeviceHealth health() const override { return link_.health(); }
   std::vector<std::string> recent_exchanges() const override { return link_.log().lines(); }
-  Awaitable<Result<void>> prepare() override { return get_ready(); }
+  Awaitable<Result<void>> prepare() override {
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await take_turn());
+    co_return Result<void>{};
+  }
   void close() override { link_.close(); }
 
  protected:
+  // shared: of the devices that are made together; nullptr: this one has its line for itself.
   LineDevice(DeviceDescription device, const Address& address, asio::any_io_executor executor,
-             Clock& clock, const LineFormat& format)
+             Clock& clock, const LineFormat& format, SharedByAddress* shared = nullptr)
       : device_(std::move(device)),
         clock_(clock),
         end_of_command_(format.end_of_command),
         timeout_(nanoseconds_from_s(device_.timeout_s)),
+        line_(line_at(address, executor, shared)),
         link_(executor, clock, settings_of(format), make_stream(executor, address, format.serial)) {
   }
 
-  // Makes a device ready that has just been connected. Calls know_identity().
+  // Makes a device ready that has just been connected, or may have lost its set-up; in step. Calls
+  // know_identity().
   virtual Awaitable<Result<void>> set_up() = 0;
 
-  // Connected and set up: at the beginning of every call.
+  // The line is this device's as long as it lives: to the end of a call.
+  class [[nodiscard]] Turn {
+   public:
+    Turn(LineDevice& device, AsyncMutex::Lock lock)
+        : device_(&device), lock_(std::move(lock)), lost_steps_(device.link_.lost_steps()) {}
+    Turn(Turn&& other) noexcept
+        : device_(std::exchange(other.device_, nullptr)),
+          lock_(std::move(other.lock_)),
+          lost_steps_(other.lost_steps_) {}
+    Turn& operator=(Turn&&) = delete;
+    ~Turn() {
+      if (device_ == nullptr) return;
+      if (device_->link_.lost_steps() != lost_steps_) ++device_->line_->disturbances;
+      device_->disturbances_seen_ = device_->line_->disturbances;
+    }
+
+   private:
+    LineDevice* device_;
+    AsyncMutex::Lock lock_;
+    std::int64_t lost_steps_;
+  };
+
+  // Connected and set up, and nobody else's turn: at the beginning of every call, which keeps what
+  // it gets.
+  Awaitable<Result<Turn>> take_turn() {
+    auto lock = co_await line_->turn.lock();
+    // An answer to another device of this line may still come, and what made that one late may have
+    // reset ours.
+    if (disturbances_seen_ != line_->disturbances && link_.connected()) {
+      link_.lose_set_up();
+      if (resyncs_)
+        link_.lose_step();
+      else
+        link_.close();
+    }
+    Turn turn(*this, std::move(lock));
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+    co_return turn;
+  }
   Awaitable<Result<void>> get_ready() {
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await link_.connect(timeout_));
     if (is_set_up()) co_return Result<void>{};
     co_return co_await set_up_or_drop();
   }
-  bool is_set_up() const { return link_.generation() == set_up_generation_; }
+  bool is_set_up() const { return link_.is_set_up(); }
+  // False while a device is set up again on the connection on which it was set up before.
+  bool is_new_connection() const { return link_.generation() != set_up_generation_; }
   // A device that could not be set up is connected anew. Not after a stop: it came in between.
   Awaitable<Result<void>> set_up_or_drop() {
+    // By the identity that is known, before set_up() asks for it: with that answer under way as
+    // well the first of two equal ones would be taken for the last.
+    if (!identity_line_.empty() && !is_new_connection())
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await link_.get_in_step(timeout_));
     identity_line_.clear();
     auto done = co_await set_up();
     if (done) {
@@ -97,6 +151,7 @@ class LineDevice : public Port {
 
  private:
   LinkSettings settings_of(const LineFormat& format) {
+    resyncs_ = !format.resync_request.empty();
     LinkSettings out;
     out.device = device_.id;
     out.address = device_.address;
@@ -111,8 +166,11 @@ class LineDevice : public Port {
     return out;
   }
 
+  const std::shared_ptr<SharedLine> line_;
   std::string identity_line_;
-  std::int64_t set_up_generation_ = 0;
+  bool resyncs_ = false;
+  std::int64_t set_up_generation_ = 0;  // connection on which it was last set up
+  std::int64_t disturbances_seen_ = 0;
 
  protected:
   Link link_;

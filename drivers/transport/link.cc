@@ -32,7 +32,9 @@ class Link::Running {
     ++link_.timer_id_;
     link_.deadline_.cancel();
     link_.busy_ = false;
-    if (!finished_) link_.in_step_ = false;
+    if (finished_) return;
+    link_.in_step_ = false;
+    ++link_.lost_steps_;
   }
   Running(const Running&) = delete;
   void finish() { finished_ = true; }
@@ -95,13 +97,15 @@ Awaitable<Result<void>> Link::connect(Nanoseconds timeout) {
     running.finish();
     co_return Result<void>{};
   }
-  const bool aborted = interruption_ == Interruption::aborted;
+  if (interruption_ == Interruption::aborted) {
+    // No failure of the device: nothing to back off from, and no error to show.
+    disconnect(LinkState::disconnected);
+    co_return fail(ErrorCode::aborted, abort_reason_, context("stopped while connecting"));
+  }
   const std::string why = interruption_ == Interruption::timeout
                               ? "no connection within " + milliseconds(SteadyClock::now() - started)
                               : "cannot connect: " + error.message();
   drop(why);
-  if (aborted)
-    co_return fail(ErrorCode::aborted, abort_reason_, context("stopped while connecting"));
   co_return tl::unexpected(note({ErrorCode::unavailable, reasons::kLinkDown,
                                  context(why + ": is it on, and is the address right?")}));
 }
@@ -110,9 +114,7 @@ Awaitable<Result<std::string>> Link::ask(std::string request, Nanoseconds timeou
   if (busy_) co_return fail(ErrorCode::internal, reasons::kBusy, context("two calls at once"));
   if (!connected_)
     co_return fail(ErrorCode::unavailable, reasons::kLinkDown, context("not connected"));
-  if (!in_step_) {
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_in_step(timeout));
-  }
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_in_step(timeout));
   co_return co_await talk(std::move(request), timeout, replies);
 }
 
@@ -207,6 +209,7 @@ Error Link::ended(error_code error, std::string_view exchange, std::chrono::nano
     return note({ErrorCode::aborted, abort_reason_, context(what + ": stopped")});
   }
   if (interruption_ == Interruption::timeout) {
+    is_set_up_ = false;
     if (settings_.resync_request.empty()) drop("no answer in time");
     return note({ErrorCode::deadline_exceeded, reasons::kTimeout,
                  context(what + ": no complete reply within " + milliseconds(took))});
@@ -216,6 +219,7 @@ Error Link::ended(error_code error, std::string_view exchange, std::chrono::nano
 }
 
 Awaitable<Result<void>> Link::get_in_step(Nanoseconds timeout) {
+  if (in_step_) co_return Result<void>{};
   if (settings_.resync_request.empty()) {
     drop("out of step");
     co_return fail(ErrorCode::unavailable, reasons::kLinkLost,
@@ -257,6 +261,7 @@ bool Link::still_there() {
 
 void Link::device_is_set_up() {
   is_set_up_ = true;
+  health_.last_error.clear();  // not before: a line may connect to a device that is switched off
   if (has_answered_) back_off_.after_success();
 }
 
@@ -283,22 +288,23 @@ void Link::drop(const Error& refusal) {
 }
 
 void Link::drop(const std::string& why) {
-  refusal_.reset();
-  connected_ = false;
-  in_step_ = true;
-  stream_->close();
-  buffer_.clear();
-  health_.link = LinkState::failed;
+  disconnect(LinkState::failed);
   health_.last_error = why;
   not_before_ = SteadyClock::now() + back_off_.after_failure();
 }
 
-void Link::close() {
-  interrupt({}, reasons::kClosed);
-  connected_ = false;
+void Link::disconnect(LinkState state) {
+  refusal_.reset();
+  connected_ = is_set_up_ = false;
   in_step_ = true;
   stream_->close();
-  health_.link = LinkState::disconnected;
+  buffer_.clear();
+  health_.link = state;
+}
+
+void Link::close() {
+  interrupt({}, reasons::kClosed);
+  disconnect(LinkState::disconnected);
 }
 
 tl::unexpected<Error> Link::wrong_reply(const Error& error) {

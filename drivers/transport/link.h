@@ -33,9 +33,11 @@ struct LinkSettings {
   std::function<bool(std::string_view reply)> is_resync_reply;
 };
 
-// Reconnects with back-off (see BackOff), never within an exchange: the owner looks at
-// generation(), sets its device up again when that has changed, and says when that is done: a
-// device that answers and cannot be set up is backed off from as one that is away. One exchange at
+// Reconnects with back-off (see BackOff), never within an exchange: the owner looks at is_set_up(),
+// sets its device up again when that is false, and says when that is done: a device that answers
+// and cannot be set up is backed off from as one that is away. A set-up ends with the connection,
+// and with an answer that did not come: on a serial line a device may have lost its mains and come
+// back without a new connection, and its identity is the same. One exchange at
 // a time; a second one answers internal, reason BUSY. Errors: unavailable (LINK_DOWN: cannot
 // connect; LINK_LOST: broken in mid-exchange), deadline_exceeded (TIMEOUT), aborted (what abort()
 // was told), data_loss (REPLY_TOO_LONG). Each names device, address, sent, received and after how
@@ -54,6 +56,9 @@ class Link {
   Awaitable<Result<void>> connect(Nanoseconds timeout);
   // Sends the request and returns `replies` complete replies in one piece, as they came.
   Awaitable<Result<std::string>> ask(std::string request, Nanoseconds timeout, int replies = 1);
+  // Sends resync_request and throws away what comes before its answer, when out of step. ask() and
+  // tell() do it themselves.
+  Awaitable<Result<void>> get_in_step(Nanoseconds timeout);
   // Reads until nothing has come for so long, and throws away what came: of a device that knows no
   // resync_request, an answer that is still under way to whoever is connected. Errors besides:
   // data_loss OUT_OF_STEP: it talks without end.
@@ -62,7 +67,7 @@ class Link {
   Awaitable<Result<void>> tell(std::string command, Nanoseconds timeout);
 
   // For a stop: writes at once, whatever is under way, and ends that with aborted. Not connected:
-  // the next connect() does not back off.
+  // the next connect() does not back off, and one that is under way ends without back-off.
   error_code interrupt(std::string_view bytes, std::string why);
   // The same without ending anything: for bytes that are never answered. No-op when not connected.
   error_code write_now(std::string_view bytes);
@@ -75,11 +80,15 @@ class Link {
   // What the other end is known by, address_key.h; empty when not connected.
   std::string peer_key() const { return connected_ ? stream_->peer_key() : std::string(); }
   std::int64_t generation() const { return generation_; }  // counts connections
-  // By its owner, for this connection. From now on, or at once when it has answered, an answer is a
-  // success for the back-off.
+  // By its owner, for this connection. An error of before is over. From now on, or at once when it
+  // has answered, an answer is a success for the back-off.
   void device_is_set_up();
+  bool is_set_up() const { return connected_ && is_set_up_; }
+  void lose_set_up() { is_set_up_ = false; }  // the owner got an answer that contradicts the set-up
   bool in_step() const { return in_step_; }
   void lose_step() { in_step_ = false; }  // the owner got an answer that makes no sense
+  // How often a call ended with an answer under way: for others on the same line.
+  std::int64_t lost_steps() const { return lost_steps_; }
 
   // An error of the owner's codec about the last answer, with device, address and the exchange
   // around it. Counts it.
@@ -93,9 +102,9 @@ class Link {
  private:
   class Running;
   Awaitable<Result<std::string>> talk(std::string request, Nanoseconds timeout, int replies);
-  Awaitable<Result<void>> get_in_step(Nanoseconds timeout);
   bool still_there();
   void start_timer(std::chrono::nanoseconds limit);
+  void disconnect(LinkState state);
   Error ended(error_code error, std::string_view request, std::chrono::nanoseconds took);
   Error note(Error error);
   std::string context(std::string_view message) const;
@@ -114,7 +123,7 @@ class Link {
   std::uint64_t timer_id_ = 0;
   bool busy_ = false, connected_ = false, in_step_ = true;
   bool has_answered_ = false, is_set_up_ = false;  // on this connection
-  std::int64_t generation_ = 0;
+  std::int64_t generation_ = 0, lost_steps_ = 0;
   DeviceHealth health_;
   ExchangeLog log_;
   std::shared_ptr<char> alive_ =

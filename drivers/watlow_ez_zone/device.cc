@@ -18,7 +18,8 @@ const DeviceKind watlow_ez_zone{.id = "watlow-ez-zone",
                                 .make = [](const DeviceDescription& device,
                                            const DeviceContext& context) -> Result<MadeDevice> {
                                   return drivers::make_watlow_ez_zone(device, context.executor,
-                                                                      context.clock);
+                                                                      context.clock,
+                                                                      context.shared.get());
                                 },
                                 .output_options = kLoops};
 

@@ -34,7 +34,7 @@ bool is_exception(int number) { return number > MODBUS_ENOBASE && number < EMBBA
 
 }  // namespace
 
-void ModbusMaster::Free::operator()(_modbus* context) const {
+void ModbusLine::Free::operator()(_modbus* context) const {
   modbus_close(context);
   modbus_free(context);
 }
@@ -42,38 +42,58 @@ void ModbusMaster::Free::operator()(_modbus* context) const {
 ModbusMaster::ModbusMaster(Settings settings) : settings_(std::move(settings)) {}
 ModbusMaster::~ModbusMaster() = default;
 
-void ModbusMaster::disconnect() { context_.reset(); }
+void ModbusMaster::disconnect() {
+  if (connected() && --line().units == 0) close();
+  joined_ = 0;
+}
 
-void ModbusMaster::set_timeout(std::chrono::nanoseconds timeout) {
-  timeout_ = timeout;
-  if (!context_) return;
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(timeout).count();
-  modbus_set_response_timeout(context_.get(), static_cast<std::uint32_t>(us / 1'000'000),
+void ModbusMaster::close() {
+  line().context.reset();
+  line().units = 0;
+}
+
+void ModbusMaster::set_timeout(std::chrono::nanoseconds timeout) { timeout_ = timeout; }
+
+_modbus* ModbusMaster::ours() const {
+  _modbus* const context = line().context.get();
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(timeout_).count();
+  modbus_set_response_timeout(context, static_cast<std::uint32_t>(us / 1'000'000),
                               static_cast<std::uint32_t>(us % 1'000'000));
+  modbus_set_slave(context, settings_.unit_id);
+  return context;
 }
 
 Result<void> ModbusMaster::connect(std::chrono::nanoseconds timeout) {
-  if (context_) return {};
+  set_timeout(timeout);
+  if (connected()) return {};
+  if (!line().context) {
+    if (auto up = open(); !up) return up;
+    ++line().connection;
+  }
+  joined_ = line().connection;
+  ++line().units;
+  return {};
+}
+
+Result<void> ModbusMaster::open() {
   const auto started = SteadyClock::now();
   if (const auto* tcp = std::get_if<transport::TcpAddress>(&settings_.address)) {
-    context_.reset(modbus_new_tcp_pi(tcp->host.c_str(), std::to_string(tcp->port).c_str()));
+    line().context.reset(modbus_new_tcp_pi(tcp->host.c_str(), std::to_string(tcp->port).c_str()));
   } else {
-    const auto& line = settings_.serial;
-    const char parity = line.parity == transport::Parity::none   ? 'N'
-                        : line.parity == transport::Parity::even ? 'E'
-                                                                 : 'O';
-    context_.reset(
+    const auto& serial = line().serial;
+    const char parity = serial.parity == transport::Parity::none   ? 'N'
+                        : serial.parity == transport::Parity::even ? 'E'
+                                                                   : 'O';
+    line().context.reset(
         modbus_new_rtu(std::get<transport::SerialAddress>(settings_.address).path.c_str(),
-                       line.baud, parity, line.data_bits, line.stop_bits));
+                       serial.baud, parity, serial.data_bits, serial.stop_bits));
   }
-  if (!context_) return failed(errno, "set up a Modbus line", {});
-  modbus_set_slave(context_.get(), settings_.unit_id);
-  set_timeout(timeout);
+  if (!line().context) return failed(errno, "set up a Modbus line", {});
   errno = 0;
-  if (modbus_connect(context_.get()) != 0) {
+  if (modbus_connect(ours()) != 0) {
     // For a name that does not resolve errno says nothing useful.
     const int number = errno != 0 ? errno : EHOSTUNREACH;
-    context_.reset();
+    close();
     return failed(number, "connect", SteadyClock::now() - started);
   }
   return {};
@@ -81,10 +101,10 @@ Result<void> ModbusMaster::connect(std::chrono::nanoseconds timeout) {
 
 Result<std::vector<std::uint16_t>> ModbusMaster::read(int address, int count) {
   const std::string what = registers_text("read", address, count);
-  if (!context_) return failed(ENOTCONN, what, {});
+  if (!connected()) return failed(ENOTCONN, what, {});
   std::vector<std::uint16_t> out(static_cast<std::size_t>(count));
   const auto started = SteadyClock::now();
-  const int got = modbus_read_registers(context_.get(), address, count, out.data());
+  const int got = modbus_read_registers(ours(), address, count, out.data());
   const int number = errno;
   const auto took = SteadyClock::now() - started;
   if (got != count) return failed(got < 0 ? number : EMBBADDATA, what, took);
@@ -95,11 +115,10 @@ Result<std::vector<std::uint16_t>> ModbusMaster::read(int address, int count) {
 Result<void> ModbusMaster::write(int address, std::span<const std::uint16_t> registers) {
   const int count = static_cast<int>(registers.size());
   const std::string what = registers_text("write", address, count) + " = " + words_text(registers);
-  if (!context_) return failed(ENOTCONN, what, {});
+  if (!connected()) return failed(ENOTCONN, what, {});
   const auto started = SteadyClock::now();
-  const int done = count == 1
-                       ? modbus_write_register(context_.get(), address, registers[0])
-                       : modbus_write_registers(context_.get(), address, count, registers.data());
+  const int done = count == 1 ? modbus_write_register(ours(), address, registers[0])
+                              : modbus_write_registers(ours(), address, count, registers.data());
   const int number = errno;
   const auto took = SteadyClock::now() - started;
   if (done != count) return failed(done < 0 ? number : EMBBADDATA, what, took);
@@ -123,14 +142,14 @@ tl::unexpected<Error> ModbusMaster::failed(int number, const std::string& what,
              number == EMBBADSLAVE || number == EMBBADEXC || number == EMBMDATA ||
              number == EMBUNKEXC) {
     const bool silent = number == ETIMEDOUT;
-    if (context_ && !silent) wait_a_frame();
+    if (line().context && !silent) wait_a_frame();
     // A late answer must not be taken for the next one: a TCP line starts over, a serial one waits
     // for silence.
     if (std::holds_alternative<transport::TcpAddress>(settings_.address)) {
       disconnect();
-    } else if (context_) {
+    } else if (line().context) {
       wait_a_frame();
-      modbus_flush(context_.get());
+      modbus_flush(line().context.get());
     }
     error = silent ? Error{ErrorCode::deadline_exceeded, reasons::kTimeout,
                            where + ": no answer within " + time +
@@ -139,7 +158,8 @@ tl::unexpected<Error> ModbusMaster::failed(int number, const std::string& what,
                            where + ": " + cause + " after " + time};
   } else {
     if (what == "connect" || number == ENOTCONN) error.reason = reasons::kLinkDown;
-    disconnect();
+    if (number != ENOTCONN) close();  // broken, and for every unit
+    joined_ = 0;
   }
   ++figures_.errors;
   note(what, "", took, error.message);
@@ -149,7 +169,7 @@ tl::unexpected<Error> ModbusMaster::failed(int number, const std::string& what,
 // The longest Modbus frame (256 bytes of 11 bits) at the line's speed, at least 20 ms.
 void ModbusMaster::wait_a_frame() const {
   const double frame_s = std::holds_alternative<transport::SerialAddress>(settings_.address)
-                             ? 256.0 * 11.0 / settings_.serial.baud
+                             ? 256.0 * 11.0 / line().serial.baud
                              : 0.0;
   std::this_thread::sleep_for(std::chrono::duration<double>(std::max(frame_s, 0.02)));
 }

@@ -1,6 +1,6 @@
 #pragma once
-// libmodbus behind one small class: connects, reads and writes registers, keeps in step after a
-// time-out. Blocks: call it on a thread of its own, one call at a time.
+// One unit on a Modbus line, libmodbus behind one small class: connects, reads and writes
+// registers, keeps in step after a time-out. Blocks: call it on the line's thread.
 
 #include <atomic>
 #include <chrono>
@@ -12,9 +12,8 @@
 
 #include "drivers/transport/address.h"
 #include "drivers/transport/exchange_log.h"
+#include "drivers/watlow_ez_zone/modbus_line.h"
 #include "server/core/result.h"
-
-struct _modbus;
 
 namespace driftwise::watlow {
 
@@ -26,7 +25,7 @@ class ModbusMaster {
   struct Settings {
     std::string device, address_text;  // for messages
     transport::Address address;
-    transport::SerialSettings serial;
+    std::shared_ptr<ModbusLine> line;
     int unit_id = 1;
   };
   struct Figures {
@@ -39,9 +38,9 @@ class ModbusMaster {
   ModbusMaster(const ModbusMaster&) = delete;
   ModbusMaster& operator=(const ModbusMaster&) = delete;
 
-  bool connected() const { return context_ != nullptr; }
+  bool connected() const { return line().context != nullptr && joined_ == line().connection; }
   Result<void> connect(std::chrono::nanoseconds timeout);
-  void disconnect();
+  void disconnect();  // leaves the line; others stay on it
   void set_timeout(std::chrono::nanoseconds timeout);
 
   Result<std::vector<std::uint16_t>> read(int address, int count);  // function 3
@@ -52,9 +51,10 @@ class ModbusMaster {
   const transport::ExchangeLog& log() const { return log_; }
 
  private:
-  struct Free {
-    void operator()(_modbus* context) const;
-  };
+  ModbusLine& line() const { return *settings_.line; }
+  Result<void> open();
+  void close();           // for every unit of the line
+  _modbus* ours() const;  // the line's context, told whom the next request is for
   tl::unexpected<Error> failed(int error_number, const std::string& what,
                                std::chrono::nanoseconds took);
   void wait_a_frame() const;
@@ -62,7 +62,7 @@ class ModbusMaster {
             std::string outcome);
 
   Settings settings_;
-  std::unique_ptr<_modbus, Free> context_;
+  std::int64_t joined_ = 0;  // connection of the line
   std::chrono::nanoseconds timeout_{std::chrono::seconds(1)};
   Figures figures_;
   transport::ExchangeLog log_;

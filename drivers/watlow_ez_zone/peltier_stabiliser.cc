@@ -17,19 +17,32 @@ auto as_coroutine(Job job) -> Awaitable<decltype(job())> {
 }  // namespace
 
 PeltierStabiliser::PeltierStabiliser(DeviceDescription device, Options options,
-                                     transport::Address address, asio::any_io_executor executor,
-                                     Clock& clock)
+                                     transport::Address address, std::shared_ptr<ModbusLine> line,
+                                     asio::any_io_executor executor, Clock& clock)
     : device_(std::move(device)),
       declared_(options.declared),
       clock_(clock),
       symbol_(symbol_from_id(device_.id)),
       pause_(executor),
       back_off_(transport::seed_from(device_.id + device_.address), {}),
-      controller_(
-          {device_.id, device_.address, std::move(address), options.serial, options.unit_id},
-          options) {}
+      controller_({device_.id, device_.address, std::move(address), line, options.unit_id},
+                  options),
+      line_(std::move(line)) {}
 
-PeltierStabiliser::~PeltierStabiliser() { pool_.join(); }
+PeltierStabiliser::~PeltierStabiliser() {
+  disconnect_soon();
+  for (int left = jobs_->load(); left > 0; left = jobs_->load()) jobs_->wait(left);
+}
+
+// On the line's own thread, behind the job that may be under way.
+void PeltierStabiliser::disconnect_soon() {
+  ++*jobs_;
+  asio::post(line_->thread, [this, jobs = jobs_] {
+    controller_.line().disconnect();
+    --*jobs;
+    jobs->notify_all();
+  });
+}
 
 Awaitable<Result<void>> PeltierStabiliser::wait_out_back_off(std::chrono::nanoseconds limit) {
   const auto wait = not_before_ - std::chrono::steady_clock::now();
@@ -52,14 +65,18 @@ auto PeltierStabiliser::run(Job job)
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await wait_out_back_off(timeout));
   closed_ = false;
   if (health_.link != LinkState::connected) health_.link = LinkState::connecting;
-  auto work = [this, job, timeout] {
+  ++*jobs_;
+  auto work = [this, job, timeout, jobs = jobs_] {
     auto result = job(controller_, timeout);
     ModbusMaster& line = controller_.line();
-    return std::pair(std::move(result),
-                     LineReport{line.figures(), line.log().lines(), line.connected()});
+    std::pair out(std::move(result),
+                  LineReport{line.figures(), line.log().lines(), line.connected()});
+    --*jobs;
+    jobs->notify_all();
+    return out;
   };
   auto [result, report] = co_await asio::co_spawn(
-      pool_.get_executor(), as_coroutine(std::move(work)), asio::use_awaitable);
+      line_->thread.get_executor(), as_coroutine(std::move(work)), asio::use_awaitable);
   note(result ? nullptr : &result.error(), std::move(report));
   co_return std::move(result);
 }
@@ -70,7 +87,10 @@ void PeltierStabiliser::note(const Error* error, LineReport report) {
   health_.last_latency_s = report.figures.last_latency_s;
   recent_ = std::move(report.recent);
   if (error == nullptr) {
-    if (health_.link != LinkState::connected && connections_++ > 0) ++health_.reconnects;
+    if (health_.link != LinkState::connected) {
+      if (connections_++ > 0) ++health_.reconnects;
+      health_.last_error.clear();
+    }
     health_.identity = "Watlow EZ-ZONE PM register map";
     health_.last_good = clock_.now().utc;
     back_off_.after_success();
@@ -127,8 +147,7 @@ void PeltierStabiliser::close() {
   closed_ = true;
   pause_.cancel();
   health_.link = LinkState::disconnected;
-  // On the line's own thread, behind the job that may be under way.
-  asio::post(pool_, [this] { controller_.line().disconnect(); });
+  disconnect_soon();
 }
 
 }  // namespace driftwise::watlow

@@ -171,7 +171,7 @@ void add_findings(InstrumentMatch& out) {
   for (Index axis = 0; axis < out.residual_nm.rows(); ++axis) {
     const auto& name = out.axes[static_cast<std::size_t>(axis)];
     std::vector<double> values(out.residual_nm.row(axis).begin(), out.residual_nm.row(axis).end());
-    const double middle = median_of(values), sigma = robust_sigma(values);
+    const double middle = median_of(values), sigma = sigma_of_most(values);
     for (std::size_t k = 0; k < values.size(); ++k)
       if (sigma > 0 && std::abs(values[k] - middle) > kFar * sigma)
         far[out.row[k]] +=

@@ -48,7 +48,7 @@ struct JoinCheck {
   std::string first, second;  // names of the parts
   std::size_t rows = 0;
   double median = 0;             // first - second
-  double sigma = 0;              // 1.4826 median absolute deviations
+  double sigma = 0;              // without rows far off: robust.h
   double largest = 0;            // deviation from the median
   std::int64_t largest_row = 0;  // of the trajectory, from 0
 };

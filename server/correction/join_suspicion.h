@@ -15,8 +15,7 @@ struct MatchedRows {
 
 // Difference of one channel between two parts over the matched rows; sources named.
 JoinCheck difference_of(const JoinParts& parts, const MatchedRows& rows, std::size_t a,
-                        std::size_t b, const Channel& of_a, const Channel& of_b,
-                        std::ptrdiff_t shift = 0);
+                        std::size_t b, const Channel& of_a, const Channel& of_b);
 
 // Two parts whose values are the same to the last bit in every channel that both have, at least one
 // of them a pose coordinate: one measurement given twice, which would be joined with an uncertainty

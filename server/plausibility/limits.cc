@@ -22,8 +22,6 @@ constexpr double kLongest_mm = 1000;
 constexpr double kFastest_mm_s = 100;
 // A length or readback in motion may differ by rounding and by a controller's overshoot.
 constexpr double kMotionStep_mm = 0.05;
-// Field of an autocollimator of this kind.
-constexpr double kWidest_arcsec = 400;
 // 30 deg: no triangulation sensor sees a plate that leans so far away from it.
 constexpr double kSteepestPlate_arcsec = 108000;
 constexpr double kForceStep_n = 0.02;  // the nearest of an actuator's own weights
@@ -145,10 +143,12 @@ ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& de
   for (const auto& angle : device.angles())
     if (angle.channel.name() == channel) {
       ChannelLimit limit;
-      limit.min = -kWidest_arcsec;
-      limit.max = kWidest_arcsec;
+      const auto* settings = std::get_if<AngleSettings>(&device.settings);
+      const double range_arcsec = (settings ? *settings : AngleSettings{}).range_arcsec;
+      limit.min = -range_arcsec;
+      limit.max = range_arcsec;
       limit.frozen_answers = -1;
-      limit.source = "field of the autocollimator";
+      limit.source = "range of the instrument for angles";
       return limit;
     }
   if (device.force() && device.force()->name() == channel) {

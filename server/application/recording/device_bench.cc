@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 #include <utility>
 
 #include "server/application/plumbing/task_group.h"
@@ -26,11 +25,6 @@ struct Overloaded : Visits... {
 };
 
 }  // namespace
-
-bool is_device_loss(const Error& error) {
-  return error.code == ErrorCode::unavailable || error.code == ErrorCode::deadline_exceeded ||
-         error.code == ErrorCode::data_loss;
-}
 
 DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts,
                          OnChange on_change)
@@ -273,12 +267,14 @@ Awaitable<Result<MotionState>> DeviceBench::motion_state(Slot& slot) {
   auto state = co_await ask(slot, *slot.made.as<MotionController>(),
                             [](MotionController& c) { return c.state(); });
   if (!state) {
+    if (is_device_loss(state.error())) tell_followers(slot.description(), {});
     if (watch && is_device_loss(state.error())) watch->lost();
     co_return state;
   }
   DRIFTWISE_CO_RETURN_IF_ERROR(doubts_.judge(slot.description(), *state));
   slot.last_q_mm = state->q_mm;
-  tell_followers(slot.description(), state->q_mm);
+  const bool is_known = state->referenced && !doubts_.doubts_readback();
+  tell_followers(slot.description(), is_known ? state->q_mm : std::vector<double>{});
   if (watch && doubts_.doubts_readback()) {
     watch->released();
   } else if (watch && watch->orders() == orders) {
@@ -294,9 +290,19 @@ void DeviceBench::tell_followers(const DeviceDescription& controller,
   for (const auto& slot : slots_) {
     auto* follower = dynamic_cast<AxisFollower*>(&slot->made.device());
     if (follower == nullptr) continue;
-    for (std::size_t i = 0; i < std::min(axes.size(), q_mm.size()); ++i)
-      if (axes[i].channel == follower->followed_axis()) follower->axis_at(q_mm[i]);
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (axes[i].channel != follower->followed_axis()) continue;
+      if (i < q_mm.size())
+        follower->axis_at(q_mm[i]);
+      else
+        follower->axis_unknown();
+    }
   }
+}
+
+void DeviceBench::release(Slot& slot) {
+  if (slot.watch) slot.watch->released();
+  tell_followers(slot.description(), {});
 }
 
 // Commanded places of all axes of the cell; of an axis without one, as read back last.
@@ -343,10 +349,10 @@ Awaitable<Result<void>> DeviceBench::home() {
 }
 
 Awaitable<Result<void>> DeviceBench::home_one(Slot& slot) {
-  if (slot.watch) slot.watch->released();
+  release(slot);
   auto homed = co_await ask_to_move(slot, *slot.made.as<MotionController>(),
                                     [](MotionController& c) { return c.home(); });
-  if (slot.watch) slot.watch->released();
+  release(slot);
   doubts_.begin_anew(slot.description().id);
   co_return homed;
 }
@@ -388,7 +394,7 @@ Awaitable<Result<void>> DeviceBench::move_one(Slot& slot, std::vector<double> q_
                                         if (slot.watch) slot.watch->commanded(q_mm);
                                         return c.start_move(q_mm);
                                       });
-  if (!started && slot.watch) slot.watch->released();
+  if (!started) release(slot);
   co_return started;
 }
 
@@ -415,9 +421,9 @@ Awaitable<Result<void>> DeviceBench::stop(std::size_t device) {
 }
 
 Awaitable<Result<void>> DeviceBench::stop_one(Slot& slot) {
-  if (slot.watch) slot.watch->released();
+  release(slot);
   auto stopped = co_await slot.made.as<MotionController>()->stop();
-  if (slot.watch) slot.watch->released();
+  release(slot);
   co_return stopped;
 }
 

@@ -133,7 +133,9 @@ class DeviceBench {
   template <class R>
   void note(Slot& slot, const R& result);
 
+  // Readback of its axes; empty: where they are is not known.
   void tell_followers(const DeviceDescription& controller, const std::vector<double>& q_mm);
+  void release(Slot& slot);  // nobody knows where its axes rest next
   std::vector<Slot*> controllers();
   Awaitable<Result<MotionState>> motion_state(Slot& slot);
   Awaitable<void> state_into(Slot& slot, std::optional<Result<MotionState>>& place);
@@ -164,6 +166,9 @@ class DeviceBench {
 
 // True for what a device that is away does to a call; false for a refusal, which asking again does
 // not change.
-bool is_device_loss(const Error& error);
+inline bool is_device_loss(const Error& error) {
+  return error.code == ErrorCode::unavailable || error.code == ErrorCode::deadline_exceeded ||
+         error.code == ErrorCode::data_loss;
+}
 
 }  // namespace driftwise::application

@@ -82,11 +82,14 @@ std::vector<Turn> with_the_start(std::vector<Turn> turns, const Dataset& dataset
   return turns;
 }
 
+// Each column copied once, with the rows that are repeated twice.
 template <class Value>
-void repeat(std::vector<Value>& values, std::size_t row) {
+void take_rows(std::vector<Value>& values, const std::vector<std::size_t>& rows) {
   if (values.empty()) return;
-  const Value value = values[row];
-  values.insert(values.begin() + static_cast<std::ptrdiff_t>(row), value);
+  std::vector<Value> taken;
+  taken.reserve(rows.size());
+  for (const std::size_t row : rows) taken.push_back(values[row]);
+  values = std::move(taken);
 }
 
 }  // namespace
@@ -108,30 +111,33 @@ WholePath with_overruns(const Dataset& dataset) {
   const auto [commanded, measured] = turns_of(dataset);
   const auto turns = with_the_start(commanded, dataset);
   WholePath whole{dataset, {}};
-  const auto further_on = [&](std::size_t column, const Turn& turn) {
-    const auto& values = dataset.columns[column].values;
-    whole.data.columns[column].values[turn.row] =
-        values[turn.row] + turn.part * (values[turn.along] - values[turn.along - 1]);
-  };
-  std::vector<std::size_t> rows;  // that have another one before them, from the last
-  auto turn = turns.rbegin();
-  while (turn != turns.rend()) {  // from the end: earlier rows keep their numbers
-    const std::size_t row = turn->row;
-    rows.push_back(row);
-    auto& data = whole.data;
-    repeat(data.time_s, row), repeat(data.set, row), repeat(data.line, row);
-    repeat(data.zero, row), repeat(data.dwell_s, row), repeat(data.run, row);
-    repeat(data.datum, row), repeat(data.excluded, row);
-    for (auto& column : data.columns) repeat(column.values, row);
-    for (const std::size_t c : measured) further_on(c, *turn);
-    for (; turn != turns.rend() && turn->row == row; ++turn) further_on(turn->column, *turn);
-    ++data.rows;
-  }
-  std::size_t further = 0;
+  std::vector<std::size_t> rows;   // of the dataset, in the order of the path
+  std::vector<std::size_t> added;  // place of each turn's further row among them
+  auto turn = turns.begin();
   for (std::size_t row = 0; row < dataset.rows; ++row) {
-    if (further < rows.size() && rows[rows.size() - 1 - further] == row) ++further;
-    whole.kept.push_back(row + further);
+    if (turn != turns.end() && turn->row == row) {
+      for (; turn != turns.end() && turn->row == row; ++turn) added.push_back(rows.size());
+      rows.push_back(row);
+    }
+    whole.kept.push_back(rows.size());
+    rows.push_back(row);
   }
+  auto& data = whole.data;
+  data.rows = rows.size();
+  take_rows(data.time_s, rows), take_rows(data.set, rows), take_rows(data.line, rows);
+  take_rows(data.zero, rows), take_rows(data.dwell_s, rows), take_rows(data.run, rows);
+  take_rows(data.datum, rows), take_rows(data.excluded, rows);
+  for (auto& column : data.columns) take_rows(column.values, rows);
+  const auto further_on = [&](std::size_t column, std::size_t i) {
+    const auto& values = dataset.columns[column].values;
+    data.columns[column].values[added[i]] =
+        values[turns[i].row] +
+        turns[i].part * (values[turns[i].along] - values[turns[i].along - 1]);
+  };
+  // Of several turns in one row the measured coordinates follow the last.
+  for (std::size_t i = 0; i < added.size(); ++i)
+    for (const std::size_t c : measured) further_on(c, i);
+  for (std::size_t i = 0; i < added.size(); ++i) further_on(turns[i].column, i);
   return whole;
 }
 

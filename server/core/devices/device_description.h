@@ -61,6 +61,7 @@ struct LengthSettings {
 };
 struct AngleSettings {
   std::vector<AngleDescription> angles;
+  double range_arcsec = 400;  // of the instrument on either side: the field of an autocollimator
 };
 struct TemperatureSettings {
   std::vector<ProbeDescription> probes;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 #include <string>
 
@@ -11,6 +12,12 @@ namespace driftwise {
 namespace {
 
 constexpr std::int64_t kMostPoints = 1'000'000;
+
+std::string points_text(double points) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", points);
+  return text;
+}
 
 double rounded_mm(double mm) { return std::round(mm * 1e9) / 1e9; }
 
@@ -52,12 +59,13 @@ Result<void> append_lines(Trajectory& trajectory, const PlanBlock& block, std::i
   const std::size_t n = block.ranges.size();
   double points = 1, lines = 1;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto levels = static_cast<double>(block.ranges[i].levels());
+    const double levels = block.ranges[i].count();
     points *= levels;
     if (i + 1 < n) lines *= levels;
   }
-  if (points + lines > static_cast<double>(kMostPoints))
-    return bad_plan("found a grid of more than a million points: take a larger step");
+  if (!(points + lines <= static_cast<double>(kMostPoints)))
+    return bad_plan("found a grid of " + points_text(points) +
+                    " points, expected a million at most: take a larger step");
   std::vector<std::int64_t> at(n, 0);
   for (;; ++line) {
     for (std::int64_t i = 0; i < block.ranges[n - 1].levels(); ++i) {
@@ -108,9 +116,9 @@ void append_scattered(Trajectory& trajectory, const PlanBlock& block, std::int64
 
 }  // namespace
 
-std::int64_t GridRange::levels() const {
-  return static_cast<std::int64_t>(std::floor((to_mm - from_mm) / step_mm + 1e-6)) + 1;
-}
+double GridRange::count() const { return std::floor((to_mm - from_mm) / step_mm + 1e-6) + 1; }
+
+std::int64_t GridRange::levels() const { return static_cast<std::int64_t>(count()); }
 
 double GridRange::level_mm(std::int64_t i) const {
   return rounded_mm(from_mm + static_cast<double>(i) * step_mm);

@@ -14,8 +14,10 @@ namespace driftwise {
 struct GridRange {  // of one coordinate: from, from + step, ... up to `to`
   double from_mm = 0, to_mm = 0;
   double step_mm = 0;  // not used by scattered points
-  // Levels are computed as from + i step, a level within 1e-6 steps of `to` counts.
-  std::int64_t levels() const;
+  // Levels are computed as from + i step, a level within 1e-6 steps of `to` counts. The count is
+  // beyond every integer where the step is tiny.
+  double count() const;
+  std::int64_t levels() const;            // the count of a range of a million levels at most
   double level_mm(std::int64_t i) const;  // rounded to 1e-9 mm: 0.1 * 3 is 0.3
 };
 

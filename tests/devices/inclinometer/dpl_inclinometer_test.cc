@@ -3,6 +3,7 @@
 #include "drivers/all_devices.h"
 #include "server/core/ports/made_device.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/plausibility/limits.h"
 #include "tests/unit/drivers/driver_fixture.h"
 
 namespace driftwise {
@@ -79,6 +80,22 @@ TEST_F(InclinometerLoop, IsDescribedByTheCellFile) {
   ASSERT_TRUE(cell) << cell.error().message;
   EXPECT_EQ(cell->devices[0].role(), DeviceRole::angle);
   EXPECT_EQ(cell->devices[0].channels, (std::vector<Channel>{{"rx", "arcsec"}}));
+}
+
+// Not that of an autocollimator, 400 arcsec: a tilt of a degree is what it is for.
+TEST_F(InclinometerLoop, ItsAnglesAreJudgedByTheRangeOfItsModel) {
+  const auto limit_with = [](const std::string& options) {
+    const auto cell = formats::parse_cell_file(
+        "[cell]\nname = \"c\"\ndatabase = \"d\"\n[[device]]\nid = \"level\"\nkind = \"meas-dpl\"\n"
+        "address = \"/dev/ttyUSB0\"\nperiod_s = 5\n" +
+            options + "  [[device.angle]]\n  channel = \"rx_arcsec\"\n  device_axis = 1\n",
+        "cell.toml", drivers::all_devices());
+    EXPECT_TRUE(cell) << cell.error().message;
+    return plausibility::limit_of(*cell, cell->devices[0], "rx_arcsec");
+  };
+  EXPECT_EQ(limit_with("").max, 30 * 3600.0);
+  EXPECT_EQ(limit_with("options = { range_deg = 2 }\n").max, 2 * 3600.0);
+  EXPECT_EQ(limit_with("options = { range_deg = 2 }\n").min, -2 * 3600.0);
 }
 
 }  // namespace

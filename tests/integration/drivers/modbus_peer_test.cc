@@ -74,7 +74,8 @@ class WatlowAgainstPymodbus : public testing::TestWithParam<Line> {
   // Writes registers of the peer with a line of its own; a serial pair has one master only.
   void poke(int unit, int address_on_wire, std::uint16_t value) {
     watlow::ModbusMaster master(
-        {"test", address, *transport::parse_address(address), {.baud = 9600}, unit});
+        {"test", address, *transport::parse_address(address),
+         std::make_shared<watlow::ModbusLine>(transport::SerialSettings{.baud = 9600}), unit});
     ASSERT_TRUE(master.connect(1s));
     const auto written = master.write(address_on_wire, std::span<const std::uint16_t>(&value, 1));
     ASSERT_TRUE(written) << written.error().message;

@@ -90,6 +90,14 @@ TEST(AppendBlock, RefusesWhatIsNoPlan) {
   EXPECT_EQ(reason(grid(PointSet::calibration, {0, 2.5, 0}, 0)), "BAD_PLAN");
   EXPECT_EQ(reason(grid(PointSet::calibration, {2.5, 0, 0.5}, 0)), "BAD_PLAN");
   EXPECT_EQ(reason(grid(PointSet::calibration, {0, 2.5, 1e-5}, 0)), "BAD_PLAN");
+  // A count beyond every integer, alone and as a factor.
+  EXPECT_EQ(reason(grid(PointSet::calibration, {0, 2.5, 1e-20}, 0)), "BAD_PLAN");
+  EXPECT_EQ(reason(grid(PointSet::calibration, {0, 2.5, 1e-320}, 0)), "BAD_PLAN");
+  auto one_tiny = grid(PointSet::calibration, {0, 1, 0.5}, 0);
+  one_tiny.ranges.front() = {0, 5, 1e-20};
+  EXPECT_EQ(reason(one_tiny), "BAD_PLAN");
+  std::swap(one_tiny.ranges.front(), one_tiny.ranges.back());
+  EXPECT_EQ(reason(one_tiny), "BAD_PLAN");
   auto two = grid(PointSet::calibration, {0, 2.5, 0.5}, 0);
   two.ranges.pop_back();
   EXPECT_EQ(reason(two), "BAD_PLAN");

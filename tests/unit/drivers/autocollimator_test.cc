@@ -10,6 +10,8 @@ using tests::Script;
 using tests::send;
 
 constexpr const char* kSeconds = "1TA,RT,04512,0,2,sec,00102,00241\r";
+constexpr const char* kMicroradian = "1TA,RT,04512,1,\xB5rad,00102,00241\r";
+constexpr const char* kMicroradian2 = "2TA,RT,04512,1,\xB5rad,00102,00241\r";
 
 class AutocollimatorLoop : public tests::DriverFixture {
  protected:
@@ -44,7 +46,7 @@ class AutocollimatorLoop : public tests::DriverFixture {
 
 TEST_F(AutocollimatorLoop, ReadsBetweenTwoGoodStates) {
   peer.on_connection(set_up_and({expect("MS\r"), send("MS@\r"), expect("1TP\r"), send("1TP12.34\r"),
-                                 expect("MS\r"), send("MS@\r")}));
+                                 expect("1TA\r"), send(kSeconds), expect("MS\r"), send("MS@\r")}));
   const auto reading = run(make(collimator()).read());
   ASSERT_TRUE(reading) << reading.error().message;
   EXPECT_EQ(*reading->find("ry_arcsec"), 12.34);
@@ -56,19 +58,45 @@ TEST_F(AutocollimatorLoop, ReadsTwoAxesWithTheirSignsAndUnits) {
   auto both = collimator();
   both.become<AngleSettings>().angles = {{{"ry", "arcsec"}, 1, -1, 0}, {{"rz", "arcsec"}, 2, 1, 0}};
   peer.on_connection(
-      identified_and({expect("1TA\r"), send(kSeconds), expect("2TA\r"),
-                      send("2TA,RT,04512,1,\xB5rad,00102,00241\r"), expect("MS\r"), send("MS@\r"),
-                      expect("1TP\r"), send("1TP12.34\r"), expect("2TP\r"), send("2TP48.481368\r"),
-                      expect("MS\r"), send("MS@\r")}));
+      identified_and({expect("1TA\r"), send(kSeconds), expect("2TA\r"), send(kMicroradian2),
+                      expect("MS\r"), send("MS@\r"), expect("1TP\r"), send("1TP12.34\r"),
+                      expect("2TP\r"), send("2TP48.481368\r"), expect("1TA\r"), send(kSeconds),
+                      expect("2TA\r"), send(kMicroradian2), expect("MS\r"), send("MS@\r")}));
   const auto reading = run(make(both).read());
   ASSERT_TRUE(reading) << reading.error().message;
   EXPECT_EQ(*reading->find("ry_arcsec"), -12.34);
   EXPECT_NEAR(*reading->find("rz_arcsec"), 10.0, 1e-6);
 }
 
+// A controller that lost its mains comes back on the same line with the unit of its delivery; the
+// same tilt is 97 then, and nothing in the value says so.
+TEST_F(AutocollimatorLoop, UsesNoValueOfAControllerWhoseUnitHasChanged) {
+  const Script one_read{expect("MS\r"), send("MS@\r"), expect("1TP\r")};
+  const auto plus = [](Script a, const Script& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+  };
+  Script script = plus(one_read, {send("1TP97.0\r"), expect("1TA\r"), send(kMicroradian)});
+  script = plus(script, identified_and({expect("1TA\r"), send(kMicroradian)}));
+  script = plus(plus(script, one_read), {send("1TP97.0\r"), expect("1TA\r"), send(kMicroradian),
+                                         expect("MS\r"), send("MS@\r")});
+  peer.on_connection(set_up_and(script));
+  make(collimator());
+  const auto changed = run(instrument->read());
+  ASSERT_FALSE(changed) << *changed->find("ry_arcsec");
+  EXPECT_EQ(changed.error().reason, "WRONG_SET_UP");
+  EXPECT_THAT(changed.error().message, HasSubstr("unit urad, increment 1, it was unit sec"));
+  const auto again = run(instrument->read());
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_NEAR(*again->find("ry_arcsec"), 20.0, 0.01);
+  EXPECT_EQ(instrument->health().reconnects, 0);
+  EXPECT_TRUE(peer.finished());
+}
+
 TEST_F(AutocollimatorLoop, DropsAValueWhoseSpotWasLostMeanwhile) {
-  peer.on_connection(set_up_and({expect("MS\r"), send("MS@\r"), expect("1TP\r"), send("1TP0.0\r"),
-                                 expect("MS\r"), send("MSA\r"), expect("MS\r"), send("MSB\r")}));
+  peer.on_connection(
+      set_up_and({expect("MS\r"), send("MS@\r"), expect("1TP\r"), send("1TP0.0\r"), expect("1TA\r"),
+                  send(kSeconds), expect("MS\r"), send("MSA\r"), expect("MS\r"), send("MSB\r")}));
   make(collimator());
   const auto dark = run(instrument->read());
   EXPECT_EQ(dark.error().reason, "NO_SPOT");
@@ -95,10 +123,12 @@ TEST_F(AutocollimatorLoop, TellsWhenTheIntegrationConstantIsNotTaken) {
 }
 
 TEST_F(AutocollimatorLoop, NeverTakesALateValueForTheNextOne) {
-  peer.on_connection(
-      set_up_and({expect("MS\r"), send("MS@\r"), expect("1TP\r"), expect("VE\r"), send("1TP99.9\r"),
-                  send("VE LDS1000 Controller Version 3.10\r"), expect("MS\r"), send("MS@\r"),
-                  expect("1TP\r"), send("1TP1.5\r"), expect("MS\r"), send("MS@\r")}));
+  Script script{expect("MS\r"), send("MS@\r"),     expect("1TP\r"),
+                expect("VE\r"), send("1TP99.9\r"), send("VE LDS1000 Controller Version 3.10\r")};
+  const Script anew = set_up_and({expect("MS\r"), send("MS@\r"), expect("1TP\r"), send("1TP1.5\r"),
+                                  expect("1TA\r"), send(kSeconds), expect("MS\r"), send("MS@\r")});
+  script.insert(script.end(), anew.begin(), anew.end());
+  peer.on_connection(set_up_and(script));
   make(collimator());
   EXPECT_EQ(run(instrument->read()).error().code, ErrorCode::deadline_exceeded);
   const auto next = run(instrument->read());

@@ -1,3 +1,5 @@
+#include <random>
+
 #include "drivers/pi_gcs/pi_gcs.h"
 #include "tests/unit/drivers/driver_fixture.h"
 
@@ -185,6 +187,43 @@ TEST_F(GcsLoop, GivesHomingUpWhenNothingMoves) {
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().reason, "HOMING_STALLED");
   controller->close();
+}
+
+TEST_F(GcsLoop, GivesHomingUpWhenOnlyTheNoiseOfTheScaleMoves) {
+  constexpr int kLooks = 40;  // of 5 ms and more, twice the time
+  Script script{expect("SVO X 1\nERR?\n"), send("0\n"), expect("FRF X\nERR?\n"), send("0\n")};
+  std::minstd_rand random(7);
+  std::normal_distribution<double> noise_nm(0, 60);
+  for (int i = 0; i < kLooks; ++i) {
+    const std::string position = "X=" + std::to_string(1.0 + 1e-6 * noise_nm(random)) + "\n";
+    script = operator_plus(script, operator_plus({expect("FRF?\n"), send("X=0\n")},
+                                                 state("0\n", "X=0\n", position.c_str())));
+  }
+  peer.on_connection(set_up_and(script));
+  make(axis({{"home_stall_s", "0.1"}}));
+  const auto done = run(controller->home());
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().reason, "HOMING_STALLED") << done.error().message;
+  controller->close();
+}
+
+// Issue of 1 December: a controller on a serial line loses its mains and answers late once.
+TEST_F(GcsLoop, SetsAControllerUpAgainThatLostItsServoWhileItDidNotAnswer) {
+  peer.on_connection(set_up_and(operator_plus(
+      {expect("\x05"), expect("*IDN?\n"), send("(c) PI, C-887, 1, 2.1\n")},
+      operator_plus({expect("*IDN?\n"), send("(c) PI, C-887, 1, 2.1\n"), expect("ERR?\n"),
+                     send("0\n"), expect("SVO?\n"), send("X=0\n"), expect("SAI?\n"), send("X\n"),
+                     expect("TMN?\n"), send("X=-3\n"), expect("TMX?\n"), send("X=3\n"),
+                     expect("SVO X 1\nERR?\n"), send("0\n"), expect("FRF?\n"), send("X=0\n")},
+                    state("0\n", "X=0\n", "X=0\n")))));
+  make(axis());
+  ASSERT_TRUE(run(controller->prepare()));
+  EXPECT_EQ(run(controller->state()).error().reason, "TIMEOUT");
+  const auto after = run(controller->state());
+  ASSERT_TRUE(after) << after.error().message;
+  EXPECT_FALSE(after->referenced);
+  EXPECT_EQ(controller->health().reconnects, 0);
+  EXPECT_TRUE(peer.finished());
 }
 
 TEST_F(GcsLoop, StopsDuringAPendingCallAndGoesOnAfterwards) {

@@ -82,6 +82,30 @@ TEST_F(InterferometerLoop, DoesNotTrustALengthWhoseAdapterMayHaveRestarted) {
   EXPECT_TRUE(run(instrument->read()));
 }
 
+// One that was restarted without a new connection averages as it was delivered.
+TEST_F(InterferometerLoop, SetsAnAdapterUpAnewThatForgotItAndDoesNotTrustItsZero) {
+  std::string by_delivery = measured("7");
+  by_delivery.replace(by_delivery.find("n=4096"), 6, "n=2048");
+  peer.on_connection(set_up_and({expect("DEADPATH 1 120\n"), send("OK\n"),
+                                 expect("ZERO 1\n"),         send("OK\n"),
+                                 expect("MEAS? 1\n"),        send(by_delivery),
+                                 expect("IDN?\n"),           send("OK SIOS SP-2000 0471 ch=2\n"),
+                                 expect("IDN?\n"),           send("OK SIOS SP-2000 0471 ch=2\n"),
+                                 expect("AVG 4096\n"),       send("OK\n"),
+                                 expect("DEADPATH 1 120\n"), send("OK\n"),
+                                 expect("DEADPATH 1 120\n"), send("OK\n"),
+                                 expect("ZERO 1\n"),         send("OK\n"),
+                                 expect("MEAS? 1\n"),        send(measured("8"))}));
+  make(laser());
+  ASSERT_TRUE(run(instrument->zero()));
+  EXPECT_EQ(run(instrument->read()).error().reason, "BAD_REPLY");
+  EXPECT_EQ(run(instrument->read()).error().reason, "BEAM_LOST") << "it counts from anywhere";
+  ASSERT_TRUE(run(instrument->zero()));
+  EXPECT_TRUE(run(instrument->read()));
+  EXPECT_EQ(instrument->health().reconnects, 0);
+  EXPECT_TRUE(peer.finished());
+}
+
 TEST_F(InterferometerLoop, PassesTheDevicesRefusalsOn) {
   peer.on_connection(set_up_and({expect("MEAS? 1\n"), send("ERR 3 beam break\n"),
                                  expect("MEAS? 1\n"), send(measured("1", "status=0x0000")),
@@ -95,6 +119,7 @@ TEST_F(InterferometerLoop, PassesTheDevicesRefusalsOn) {
 
 TEST_F(InterferometerLoop, NeverTakesALateMeasurementForTheNextOne) {
   peer.on_connection(set_up_and({expect("MEAS? 1\n"), expect("IDN?\n"), send(measured("111")),
+                                 send("OK SIOS SP-2000 0471 ch=2\n"), expect("IDN?\n"),
                                  send("OK SIOS SP-2000 0471 ch=2\n"), expect("MEAS? 1\n"),
                                  send(measured("222"))}));
   make(laser());

@@ -276,6 +276,53 @@ TEST_F(TcpLink, ItsTimeOutAndAStopEndALookUp) {
   let_pass(10ms);
 }
 
+TEST_F(TcpLink, IsTriedAgainAtOnceAfterAStopThatEndedAConnection) {
+  std::vector<Found> asked;
+  auto link = make_by_name([&](const TcpAddress&, Found found) { asked.push_back(found); });
+  // Twice: the first failure after a success has no wait.
+  (void)run(link->connect(kTimeout));
+  (void)run(link->connect(kTimeout));
+  const std::string why = link->health().last_error;
+  asio::steady_timer later(context, 20ms);
+  later.async_wait([&](auto) { link->interrupt({}, "STOPPED"); });
+  EXPECT_EQ(run(link->connect(Nanoseconds(60s))).error().reason, "STOPPED");
+  EXPECT_EQ(link->health().last_error, why) << "a stop is no error of the device";
+  const auto before = std::chrono::steady_clock::now();
+  const auto lookups = asked.size();
+  (void)run(link->connect(kTimeout));
+  EXPECT_EQ(asked.size(), lookups + 1) << "no look-up: it waits";
+  EXPECT_LT(std::chrono::steady_clock::now() - before, 2 * kTimeout);
+  link = nullptr;
+  for (const auto& found : asked) found({}, {});
+  let_pass(10ms);
+}
+
+TEST_F(TcpLink, ForgetsAnErrorThatIsOverWhenItsDeviceIsSetUp) {
+  auto link = make({});
+  peer.stop_listening();
+  EXPECT_FALSE(run(link->connect(kTimeout)));
+  EXPECT_THAT(link->health().last_error, HasSubstr("cannot connect"));
+  peer.listen_again();
+  ASSERT_TRUE(run(link->connect(kTimeout)));
+  EXPECT_NE(link->health().last_error, "") << "nobody has answered yet";
+  link->device_is_set_up();
+  EXPECT_EQ(link->health().last_error, "");
+}
+
+TEST_F(TcpLink, CountsADeviceAsSetUpUntilAnAnswerDoesNotCome) {
+  peer.on_connection({expect("A\n"), send("a\n"), expect("B\n"), expect("ID?\n"), send("me\n")});
+  auto link = connected(with_marker());
+  EXPECT_FALSE(link->is_set_up());
+  link->device_is_set_up();
+  EXPECT_TRUE(ask(*link, "A\n"));
+  EXPECT_TRUE(link->is_set_up());
+  EXPECT_FALSE(ask(*link, "B\n"));
+  EXPECT_TRUE(link->connected());
+  EXPECT_FALSE(link->is_set_up()) << "it may have been switched off and on";
+  EXPECT_TRUE(run(link->get_in_step(kTimeout)));
+  EXPECT_FALSE(link->is_set_up()) << "its identity is no proof of it";
+}
+
 TEST_F(TcpLink, WaitsForTheBackOffNoLongerThanItsTimeout) {
   LinkSettings settings;
   auto link = make(settings);

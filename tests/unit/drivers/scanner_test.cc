@@ -133,11 +133,14 @@ TEST_F(ScannerLoop, RefusesAnotherDevice) {
   EXPECT_THAT(done.error().message, HasSubstr("ACME"));
 }
 
-TEST_F(ScannerLoop, ClearsTheDeviceAfterATimeoutAndKeepsItsSetUp) {
+// On a serial line a scanner that lost its mains comes back without a new connection, with the same
+// identity and without its set-up.
+TEST_F(ScannerLoop, ClearsTheDeviceAfterATimeoutAndSetsItUpAnew) {
   peer.on_connection(
-      plus(set_up(), {expect("READ?\n"), send("1077,101,"), expect("\x03*CLS\n*IDN?\n"),
-                      send("0.1,1078,102,0.5\n"), send(kIdentity), expect("READ?\n"),
-                      send("1090,101,1.1,1078,102,1.5\n")}));
+      plus(plus(plus(set_up(), {expect("READ?\n"), send("1077,101,"), expect("\x03*CLS\n*IDN?\n"),
+                                send("0.1,1078,102,0.5\n"), send(kIdentity)}),
+                set_up()),
+           {expect("READ?\n"), send("1090,101,1.1,1078,102,1.5\n")}));
   make(scanner());
   const auto late = run(instrument->read());
   ASSERT_FALSE(late);
@@ -146,7 +149,27 @@ TEST_F(ScannerLoop, ClearsTheDeviceAfterATimeoutAndKeepsItsSetUp) {
   ASSERT_TRUE(next) << next.error().message;
   EXPECT_NEAR(*next->find("t01_degC"), platinum::degc_from_ohm(1090, {}), 1e-12)
       << "not the late scan";
+  EXPECT_EQ(instrument->health().reconnects, 0);
 }
+
+class ForgottenSetUp : public ScannerLoop, public testing::WithParamInterface<const char*> {};
+TEST_P(ForgottenSetUp, IsSetAnewAfterAScanThatContradictsIt) {
+  peer.on_connection(plus(plus(plus(set_up(), {expect("READ?\n"), send(GetParam()),
+                                               expect("\x03*CLS\n*IDN?\n"), send(kIdentity)}),
+                               set_up()),
+                          {expect("READ?\n"), send("1090,101,1.1,1078,102,1.5\n")}));
+  make(scanner());
+  const auto contradicts = run(instrument->read());
+  ASSERT_FALSE(contradicts);
+  EXPECT_EQ(contradicts.error().code, ErrorCode::data_loss);
+  const auto next = run(instrument->read());
+  ASSERT_TRUE(next) << next.error().message;
+  EXPECT_NEAR(*next->find("t01_degC"), platinum::degc_from_ohm(1090, {}), 1e-12);
+  EXPECT_EQ(instrument->health().reconnects, 0);
+}
+INSTANTIATE_TEST_SUITE_P(Scans, ForgottenSetUp,
+                         testing::Values("-1.2345E-05VDC,+0.3SECS,+4RDNG#\n",
+                                         "1077,103,0.1,1078,104,0.5\n"));
 
 TEST_F(ScannerLoop, HasNoZero) { EXPECT_EQ(run(make(scanner()).zero()).error().reason, "NO_ZERO"); }
 

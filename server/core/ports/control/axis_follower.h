@@ -13,6 +13,9 @@ class AxisFollower {
   virtual const Channel& followed_axis() const = 0;
   // Its readback, each time that the controller gives one. Executor's thread.
   virtual void axis_at(double q_mm) = 0;
+  // What is read back next may be a jump of the counter and no way that the axis went: it was
+  // homed, halted or not asked for a while.
+  virtual void axis_unknown() = 0;
 };
 
 }  // namespace driftwise
