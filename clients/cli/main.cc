@@ -21,6 +21,16 @@ bool reader_left() {
   return poll(&out, 1, 0) == 1 && (out.revents & (POLLERR | POLLHUP)) != 0;
 }
 
+// Until a line was typed; false at Ctrl-C, which a blocked read would not see: signals have a
+// thread of their own.
+bool await_answer(const driftwise::cli::Interrupt& interrupt) {
+  constexpr int kLookAgain_ms = 50;
+  pollfd in{STDIN_FILENO, POLLIN, 0};
+  while (!interrupt.raised())
+    if (poll(&in, 1, kLookAgain_ms) != 0) return true;
+  return false;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -38,7 +48,8 @@ int main(int argc, char** argv) {
                   false,
                   24,
                   &std::cin,
-                  isatty(STDIN_FILENO) != 0};
+                  isatty(STDIN_FILENO) != 0,
+                  [&interrupt] { return await_answer(interrupt); }};
   winsize size{};
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20) {
     console.err_width = size.ws_col;

@@ -43,19 +43,24 @@ TargetFollower Client::follow(Pose pose, std::chrono::milliseconds min_interval)
       std::make_unique<TargetFollower::State>(state_->link, std::move(pose), min_interval));
 }
 
+namespace {
+
+// Whatever the reason: who asked for a stop must know that none was made.
+tl::unexpected<Failure> not_stopped(Failure failure) {
+  failure.message = "NOT STOPPED: use the emergency switch: " + failure.message;
+  return tl::unexpected<Failure>(std::move(failure));
+}
+
+}  // namespace
+
 Answer<void> Client::stop_all(std::chrono::milliseconds limit) const {
-  if (state_->link->trouble) return tl::unexpected(*state_->link->trouble);
+  if (state_->link->trouble) return not_stopped(*state_->link->trouble);
   grpc::ClientContext context;
   state_->link->sign(context);
   context.set_deadline(std::chrono::system_clock::now() + limit);
   v1::StopAllResponse response;
   const grpc::Status status = state_->cell->StopAll(&context, {}, &response);
-  if (!status.ok()) {
-    auto failure = state_->link->failure_of(status);
-    if (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT")
-      failure.message = "NOT STOPPED: use the emergency switch: " + failure.message;
-    return tl::unexpected(std::move(failure));
-  }
+  if (!status.ok()) return not_stopped(state_->link->failure_of(status));
   if (!response.confirmed())
     return tl::unexpected(Failure{"STOP_NOT_CONFIRMED", response.message()});
   return {};

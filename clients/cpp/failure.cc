@@ -11,12 +11,13 @@ Failure failure_of(const grpc::Status& status, const std::string& address) {
     for (const auto& any : packed.details()) any.UnpackTo(&detail);
   if (!detail.reason().empty())
     return {detail.reason(), detail.message().empty() ? status.error_message() : detail.message()};
-  if (status.error_code() == grpc::StatusCode::UNAVAILABLE)
-    return {"NO_DAEMON", "no daemon answers at " + address + ": is driftwised running there? (" +
-                             status.error_message() + ")"};
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     return {"TIMEOUT", "no answer from " + address + " within the time limit"};
-  return {"GRPC_" + std::to_string(status.error_code()), status.error_message()};
+  // A daemon gives its reason. Without one gRPC speaks for it: it is away, or it ends and cancels
+  // what is under way.
+  return {"NO_DAEMON", "no daemon answers at " + address + ": is driftwised running there? (code " +
+                           std::to_string(status.error_code()) + ": " + status.error_message() +
+                           ")"};
 }
 
 }  // namespace driftwise::client

@@ -64,15 +64,17 @@ void TargetFollower::State::publish(Answer<Target> news) {
     // A daemon that stays away is one piece of news, not one per attempt.
     if (!news && !latest_ && news.error().reason == latest_.error().reason) return;
     latest_ = std::move(news);
-    if (latest_)
-      expires_ = std::chrono::steady_clock::now() + lifetime_of(*latest_) + min_interval_;
+    if (latest_) expires_ = std::chrono::steady_clock::now() + lifetime_of(*latest_);
     ++sequence_;
   }
   changed_.notify_all();
 }
 
-void TargetFollower::State::read_one_stream() {
-  if (link_->trouble) return publish(tl::unexpected(*link_->trouble));
+bool TargetFollower::State::read_one_stream() {
+  if (link_->trouble) {
+    publish(tl::unexpected(*link_->trouble));
+    return false;
+  }
   grpc::ClientContext context;
   link_->sign(context);
   v1::WatchTargetsRequest request;
@@ -84,22 +86,33 @@ void TargetFollower::State::read_one_stream() {
   }
   {
     const std::lock_guard lock(mutex_);
-    if (ending_) return;
+    if (ending_) return false;
     open_ = &context;
   }
   const auto stub = v1::TargetService::NewStub(link_->channel);
   const auto reader = stub->WatchTargets(&context, request);
   v1::WatchTargetsResponse response;
-  while (reader->Read(&response)) publish(target_from(response.target()));
+  // An interval that outlives the targets would leave none for most of the time.
+  bool is_too_slow = false;
+  while (!is_too_slow && reader->Read(&response)) {
+    const auto target = target_from(response.target());
+    const auto lifetime = std::chrono::duration_cast<milliseconds>(lifetime_of(target));
+    publish(target);
+    is_too_slow = lifetime < min_interval_;
+    if (is_too_slow) min_interval_ = lifetime / 2;
+  }
+  if (is_too_slow) context.TryCancel();
   const grpc::Status status = reader->Finish();
   {
     const std::lock_guard lock(mutex_);
     open_ = nullptr;
-    if (ending_) return;
+    if (ending_) return false;
   }
+  if (is_too_slow) return true;
   publish(tl::unexpected(
       status.ok() ? Failure{"NO_DAEMON", "the daemon at " + link_->address + " ended the stream"}
                   : link_->failure_of(status)));
+  return false;
 }
 
 void TargetFollower::State::run() {
@@ -107,7 +120,7 @@ void TargetFollower::State::run() {
   milliseconds pause = kShortest;
   for (;;) {
     const std::uint64_t before = sequence();
-    read_one_stream();
+    if (read_one_stream()) continue;
     // A stream that gave a target was a good one: the next loss is looked at at once again.
     pause = sequence() > before + 1 ? kShortest : std::min(2 * pause, kLongest);
     std::unique_lock lock(mutex_);

@@ -23,12 +23,12 @@ struct TargetFollower::State {
 
  private:
   void run();
-  void read_one_stream();
+  bool read_one_stream();  // true: it asks for another one at once
   void publish(Answer<Target> news);
 
   const std::shared_ptr<Link> link_;
   const Pose pose_;
-  const std::chrono::milliseconds min_interval_;
+  std::chrono::milliseconds min_interval_;  // of the thread
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;

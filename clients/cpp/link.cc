@@ -43,6 +43,25 @@ std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Credentials& give
   return grpc::SslCredentials(options);
 }
 
+// A token as files hold it, without the line's end. gRPC ends the process over a header that holds
+// anything else than printable ASCII.
+std::string bearer_of(const std::string& token, std::optional<Failure>& trouble) {
+  constexpr const char* kBlanks = " \t\r\n";
+  const auto first = token.find_first_not_of(kBlanks);
+  if (first == std::string::npos) return {};
+  const auto text = token.substr(first, token.find_last_not_of(kBlanks) - first + 1);
+  const auto bad =
+      std::find_if(text.begin(), text.end(), [](char c) { return c <= ' ' || c > '~'; });
+  if (bad == text.end()) return "Bearer " + text;
+  if (!trouble)
+    trouble = Failure{"BAD_CREDENTIALS",
+                      "token: character " + std::to_string(bad - text.begin() + 1) + " of " +
+                          std::to_string(text.size()) +
+                          " is a blank or no printable ASCII, expected one word as `driftwise "
+                          "token create` made it"};
+  return {};
+}
+
 std::shared_ptr<grpc::Channel> open_channel(
     const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   grpc::ChannelArguments arguments;
@@ -62,9 +81,10 @@ std::shared_ptr<grpc::Channel> open_channel(
 Link::Link(std::string to, std::string who, const Credentials& credentials)
     : address(std::move(to)),
       operator_name(std::move(who)),
-      bearer(credentials.token.empty() ? "" : "Bearer " + credentials.token),
       channel(open_channel(address, credentials_of(credentials, trouble))),
-      reconnection_(std::make_unique<Reconnection>(channel)) {}
+      reconnection_(std::make_unique<Reconnection>(channel)) {
+  bearer = bearer_of(credentials.token, trouble);
+}
 
 Failure Link::failure_of(const grpc::Status& status) const {
   auto failure = client::failure_of(status, address);

@@ -9,7 +9,7 @@
 
 One file; copy it. Needs Python 3.9, grpcio and protobuf (Debian: python3-grpcio python3-protobuf).
 Asking never moves anything; stop_all() halts. Failures are DriftwiseError with the daemon's own words and stable reason
-(docs/api.md); this file adds NO_DAEMON, TIMEOUT, NOT_YET and EXPIRED. All of it may be used from several threads at once.
+(docs/api.md); this file adds NO_DAEMON, TIMEOUT, NO_TOKEN, BAD_CREDENTIALS, NOT_YET and EXPIRED. All of it may be used from several threads at once.
 
 On a command line: driftwise.py [--ca FILE] [--token-file FILE] [--cert FILE --key FILE] HOST:PORT x_mm=1.5 [force_N=0]
 prints one JSON object; exit code 0, 2 usage, 4 daemon not reached, 5 refused.
@@ -24,6 +24,7 @@ import random
 import sys
 import threading
 import time
+import traceback
 from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 import grpc
@@ -70,6 +71,7 @@ _FLAGS = {1: ("OUTSIDE_DOMAIN", "outside_channels"), 2: ("STALE_TEMPERATURE", "s
           9: ("CONFIGURATION_CHANGED", None), 10: ("UNJUDGED_MODEL", None),
           11: ("ZERO_OUTSIDE_DOMAIN", "zero_outside_channels"),
           12: ("DOUBTFUL_MODEL", None)}
+_WITHOUT_UNIT = ("unreachable_channels", "unlimited_channels")  # "q3_mm" is q3 in a flag
 _ROLES = {1: "viewer", 2: "controller", 3: "operator", 4: "engineer", 5: "admin"}
 _PACKAGE = "driftwise.client.v1"  # another name than the daemon's: generated classes may be loaded beside these
 
@@ -160,8 +162,11 @@ def _utc(stamp) -> datetime.datetime:
 def _target_from(message) -> Target:
     flags = []
     for number in message.flags:
-        name, channels = _FLAGS.get(number, (f"FLAG_{number}", None))
-        named = "+".join(getattr(message, channels)) if channels else ""
+        name, channels = _FLAGS.get(number, (f"UNKNOWN_FLAG({number})", None))
+        names = list(getattr(message, channels)) if channels else []
+        if channels in _WITHOUT_UNIT:
+            names = [one.rpartition("_")[0] for one in names]
+        named = "+".join(names)
         flags.append(f"{name}({named})" if named else name)
     coordinates = tuple(MotorCoordinate(c.channel, c.position_mm, c.u90_nm, c.expanded_nm) for c in message.coordinates)
     return Target(coordinates, message.model_id, _utc(message.conditions_time), _utc(message.valid_until_time), tuple(flags))
@@ -177,12 +182,20 @@ def _error_of(failed: grpc.RpcError, address: str) -> DriftwiseError:
             detail = _CLASS["ErrorDetail"].FromString(one.value)
             if detail.reason:
                 return DriftwiseError(detail.reason, detail.message, code.name)
-    if code == grpc.StatusCode.UNAVAILABLE:
-        return DriftwiseError("NO_DAEMON", f"cannot reach the daemon at {address}: is driftwised running there, and does it "
-                              f"show a certificate of this authority? ({failed.details()})", code.name)
     if code == grpc.StatusCode.DEADLINE_EXCEEDED:
         return DriftwiseError("TIMEOUT", f"no answer from {address} in time", code.name)
-    return DriftwiseError(code.name, failed.details() or code.name, code.name)
+    # A daemon gives its reason. Without one gRPC speaks for it: it is away, or it ends and cancels what is under way.
+    return DriftwiseError("NO_DAEMON", f"cannot reach the daemon at {address}: is driftwised running there, and does it "
+                          f"show a certificate of this authority? ({code.name}: {failed.details()})", code.name)
+
+
+def _token_in(text: str, where: str) -> str:
+    """Without the line's end of its file. gRPC refuses a header that holds anything else than printable ASCII."""
+    token = text.strip()
+    if not all("!" <= one <= "~" for one in token):
+        raise ValueError(f"{where}: blanks inside or characters that are no printable ASCII, expected one word as "
+                         "`driftwise token create` made it")
+    return token
 
 
 def _read(path: Optional[str]) -> Optional[bytes]:
@@ -211,7 +224,8 @@ class Cell:
             raise ValueError("give token or token_file, not both")
         self.address = address
         self._name = name
-        self._token, self._token_file = token, token_file
+        self._token = None if token is None else _token_in(token, "token")
+        self._token_file = token_file
         options = [("grpc.enable_http_proxy", 0), ("grpc.max_reconnect_backoff_ms", 1000),
                    ("grpc.initial_reconnect_backoff_ms", 200), ("grpc.keepalive_time_ms", 60_000)]
         if ca is None:
@@ -258,9 +272,7 @@ class Cell:
         """Halts every axis; a run under way is paused. A stop by software: not confirmed means the emergency switch."""
         try:
             answer = self._ask("CellService/StopAll", _CLASS["StopAllRequest"](), "StopAllResponse", timeout_s)
-        except DriftwiseError as failed:
-            if failed.reason not in ("NO_DAEMON", "TIMEOUT"):
-                raise
+        except DriftwiseError as failed:  # whatever the reason: who asked for a stop must know that none was made
             raise DriftwiseError(failed.reason, f"NOT STOPPED: use the emergency switch: {failed}", failed.code) from failed
         return Stopped(answer.confirmed, answer.message)
 
@@ -278,10 +290,18 @@ class Cell:
         ascii_name = self._name.isascii() and self._name.isprintable()
         out: List[Tuple[str, object]] = [("driftwise-operator", self._name) if ascii_name else
                                          ("driftwise-operator-bin", self._name.encode())]
-        token = self._token if self._token_file is None else (_read(self._token_file) or b"").decode().strip()
+        token = self._token if self._token_file is None else self._token_of_file()
         if token:
             out.append(("authorization", "Bearer " + token))
         return out
+
+    def _token_of_file(self) -> str:
+        try:
+            return _token_in((_read(self._token_file) or b"").decode("ascii", "replace"), self._token_file or "")
+        except OSError as failed:
+            raise DriftwiseError("NO_TOKEN", str(failed)) from failed
+        except ValueError as failed:
+            raise DriftwiseError("BAD_CREDENTIALS", str(failed)) from failed
 
     def _ask(self, method: str, request: object, answer: str, timeout_s: float):
         call = self._channel.unary_unary("/driftwise.v1." + method, type(request).SerializeToString,
@@ -320,7 +340,8 @@ class Cell:
 class Follower:
     """The newest target of one pose, kept by a thread. latest() answers from memory and never waits for the network; when
     the daemon is lost it raises NO_DAEMON instead of an old target, and connects again by itself within about 2 s. When the
-    daemon or the network falls silent it raises EXPIRED as soon as the target has lived from conditions_time to valid_until."""
+    daemon or the network falls silent it raises EXPIRED as soon as the target has lived from conditions_time to valid_until.
+    An interval longer than a target lives becomes half of that: else none would be good for most of the time."""
 
     def __init__(self, cell: Cell, pose: List[object], min_interval_s: float,
                  on_change: Optional[Callable[["Follower"], None]]) -> None:
@@ -330,6 +351,7 @@ class Follower:
         self._expires = 0.0  # by time.monotonic(): the daemon's clock need not agree with this computer's
         self._error = DriftwiseError("NOT_YET", "nothing was heard from the daemon yet")
         self._sequence = 0
+        self._again = False  # of the thread: the stream is asked for anew, with a shorter interval
         self._ending = threading.Event()
         self._call = None
         self._thread = threading.Thread(target=self._run, name="driftwise-follower", daemon=True)
@@ -368,13 +390,20 @@ class Follower:
             if target is not None:
                 # One that is expired when it comes says so by a flag.
                 lifetime_s = (target.valid_until - target.conditions_time).total_seconds()
-                self._expires = time.monotonic() + (lifetime_s if lifetime_s > 0 else 10.0) + self._interval_s
+                lifetime_s = lifetime_s if lifetime_s > 0 else 10.0
+                self._expires = time.monotonic() + lifetime_s
+                if lifetime_s < self._interval_s:  # else there would be no target for most of the time
+                    self._interval_s = lifetime_s / 2
+                    self._again = True
             if error is not None:
                 self._error = error
             self._sequence += 1
             self._changed.notify_all()
         if self._on_change is not None:
-            self._on_change(self)
+            try:
+                self._on_change(self)
+            except Exception:  # the caller's: it is said, and the following goes on
+                traceback.print_exc()
 
     def _run(self) -> None:
         while not self._ending.is_set():
@@ -383,12 +412,20 @@ class Follower:
                 self._call = self._cell._watch(self._pose, self._interval_s)
                 for answer in self._call:
                     self._put(_target_from(answer.target), None)
+                    if self._again:
+                        self._call.cancel()
+                        break
             except grpc.RpcError as failed:
                 error = self._cell._error_of(failed)
-            except OSError as failed:  # the token's file
-                error = DriftwiseError("NO_TOKEN", str(failed))
+            except DriftwiseError as failed:  # the token's file
+                error = failed
+            except Exception as failed:  # a thread that died would leave latest() as it is for ever
+                error = DriftwiseError("CLIENT_FAILED", f"{type(failed).__name__}: {failed}")
             if self._ending.is_set():
                 return
+            if self._again:
+                self._again = False
+                continue
             self._put(None, error or DriftwiseError("NO_DAEMON", f"the daemon at {self._cell.address} has ended"))
             self._ending.wait(0.5 + 0.5 * random.random())
 

@@ -18,7 +18,7 @@ constexpr double kUmOfMm = 1e3;
 class Procedure {
  public:
   Procedure(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
-            const std::function<void(const ProcedureRecord&)>& on_change)
+            const OnChange& on_change)
       : cell_(cell), rules_(rules), record_(record), on_change_(on_change) {}
 
   Result<void> run() {
@@ -29,10 +29,11 @@ class Procedure {
     DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(rules_.zero_x_mm, rules_.zero_y_mm, rules_.work_mm));
     DRIFTWISE_RETURN_IF_ERROR(rest());
     record_.in_contact = false;
-    if (interrupted) say("the contact before was interrupted: retracted");
+    if (interrupted)
+      DRIFTWISE_RETURN_IF_ERROR(say("the contact before was interrupted: retracted"));
     if (record_.aside_um > 0)
-      say("the next contact is " + digits_text(record_.aside_um) +
-          " um beside, on a fresh surface");
+      DRIFTWISE_RETURN_IF_ERROR(say("the next contact is " + digits_text(record_.aside_um) +
+                                    " um beside, on a fresh surface"));
     if (record_.stage == Stage::align) DRIFTWISE_RETURN_IF_ERROR(align());
     if (record_.stage == Stage::zero) DRIFTWISE_RETURN_IF_ERROR(find_zero());
     if (record_.stage == Stage::indents) DRIFTWISE_RETURN_IF_ERROR(make_indents());
@@ -64,9 +65,9 @@ class Procedure {
     return rest();
   }
 
-  void say(std::string sentence) {
+  Result<void> say(std::string sentence) {
     record_.log.push_back(std::string(to_string(record_.stage)) + ": " + std::move(sentence));
-    on_change_(record_);
+    return on_change_(record_);
   }
 
   Result<void> below(double z_mm) {
@@ -102,7 +103,7 @@ class Procedure {
     DRIFTWISE_TRY(auto approach, Approach::create(rule));
     record_.in_contact = true;
     ++record_.contacts;
-    on_change_(record_);
+    DRIFTWISE_RETURN_IF_ERROR(on_change_(record_));
     auto next = approach.begin();
     while (next.kind == Kind::move || next.kind == Kind::look) {
       if (next.kind == Kind::move)
@@ -188,14 +189,14 @@ class Procedure {
   }
 
   // It counts from here on, whatever becomes of the retract.
-  void recorded() {
+  Result<void> recorded() {
     record_.aside_um = 0;
-    on_change_(record_);
+    return on_change_(record_);
   }
 
-  void retracted() {
+  Result<void> retracted() {
     record_.in_contact = false;
-    on_change_(record_);
+    return on_change_(record_);
   }
 
   Result<void> align() {
@@ -216,10 +217,10 @@ class Procedure {
         found.y_mm = y;
         record_.touches.push_back(found);
         note_contact(found, "");
-        recorded();
+        DRIFTWISE_RETURN_IF_ERROR(recorded());
         DRIFTWISE_RETURN_IF_ERROR(below(found.height_mm - rules_.clearance_mm));
         DRIFTWISE_RETURN_IF_ERROR(rest());
-        retracted();
+        DRIFTWISE_RETURN_IF_ERROR(retracted());
       }
       std::vector<TouchPoint> points;
       for (const TouchRecord& one : record_.touches)
@@ -238,14 +239,13 @@ class Procedure {
       record_.touched = true;
       if (step.kind == AlignmentStep::Kind::accepted) {
         record_.stage = Stage::zero;
-        say(step.sentence + "; answered by " + record_.by);
-        return {};
+        return say(step.sentence + "; answered by " + record_.by);
       }
       ++record_.corrections;
       record_.rx_arcsec = step.rx_arcsec;
       record_.ry_arcsec = step.ry_arcsec;
       DRIFTWISE_RETURN_IF_ERROR(below(record_.height_mm - rules_.clearance_mm));
-      say(step.sentence + "; answered by " + record_.by);
+      DRIFTWISE_RETURN_IF_ERROR(say(step.sentence + "; answered by " + record_.by));
     }
   }
 
@@ -269,12 +269,11 @@ class Procedure {
     note_contact(found, "");
     record_.height_mm = found.height_mm;
     record_.stage = Stage::indents;
-    recorded();
+    DRIFTWISE_RETURN_IF_ERROR(recorded());
     DRIFTWISE_RETURN_IF_ERROR(retract());
-    retracted();
-    say("contact at " + number_text(found.height_mm) + " mm after " + std::to_string(found.steps) +
-        " steps");
-    return {};
+    DRIFTWISE_RETURN_IF_ERROR(retracted());
+    return say("contact at " + number_text(found.height_mm) + " mm after " +
+               std::to_string(found.steps) + " steps");
   }
 
   double aside_mm() const { return record_.aside_um / kUmOfMm; }
@@ -286,9 +285,8 @@ class Procedure {
       if (!made) DRIFTWISE_RETURN_IF_ERROR(make(planned));
     }
     record_.stage = Stage::microscope;
-    say("all " + std::to_string(record_.indents.size()) +
-        " indents are made; measure them in the microscope and import its table");
-    return {};
+    return say("all " + std::to_string(record_.indents.size()) +
+               " indents are made; measure them in the microscope and import its table");
   }
 
   Result<void> make(const PlannedIndent& planned) {
@@ -313,13 +311,12 @@ class Procedure {
                                .rx_arcsec = placed.rx_arcsec - record_.zero_here.rx_arcsec,
                                .ry_arcsec = placed.ry_arcsec - record_.zero_here.ry_arcsec,
                                .by = answer.by});
-    recorded();
+    DRIFTWISE_RETURN_IF_ERROR(recorded());
     DRIFTWISE_RETURN_IF_ERROR(retract());
-    retracted();
-    say("indent " + planned.id + " at " + digits_text(planned.at_um, 6) + " um along " +
-        std::string(to_string_of(planned.line)) + ", contact after " + std::to_string(found.steps) +
-        " steps");
-    return {};
+    DRIFTWISE_RETURN_IF_ERROR(retracted());
+    return say("indent " + planned.id + " at " + digits_text(planned.at_um, 6) + " um along " +
+               std::string(to_string_of(planned.line)) + ", contact after " +
+               std::to_string(found.steps) + " steps");
   }
 
   static std::string_view to_string_of(Line line) { return line == Line::x ? "x" : "y"; }
@@ -347,13 +344,13 @@ class Procedure {
   TouchingCell& cell_;
   const ProcedureRules& rules_;
   ProcedureRecord& record_;
-  const std::function<void(const ProcedureRecord&)>& on_change_;
+  const OnChange& on_change_;
 };
 
 }  // namespace
 
 Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
-                       const std::function<void(const ProcedureRecord&)>& on_change) {
+                       const OnChange& on_change) {
   if (record.tool.empty()) record.tool = rules.tool;
   if (record.tool != rules.tool)
     return fail(ErrorCode::failed_precondition, reasons::kOtherTool,
@@ -364,6 +361,7 @@ Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, Procedur
   auto done = procedure.run();
   if (done) return done;
   Error error = done.error();
+  const std::string cause = error.message;
   procedure.give_up_contact(error.message);
   // The axes were stopped: somebody may be in the cell, and only a person makes them move again.
   if (error.code == ErrorCode::aborted) {
@@ -376,7 +374,8 @@ Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, Procedur
     error.message += "; the robot below could not be retracted: " + away.error().message;
   }
   record.log.push_back(std::string(to_string(record.stage)) + ": " + error.message);
-  on_change(record);
+  if (const auto kept = on_change(record); !kept && kept.error().message != cause)
+    error.message += "; and " + kept.error().message;
   return tl::unexpected(error);
 }
 

@@ -139,15 +139,19 @@ struct ProcedureRecord {
   std::vector<RoundRecord> rounds{};
 };
 
-// Goes on where the record is, until the microscope's turn. Errors: those of the cell;
-// failed_precondition OTHER_TOOL (the record was begun with another), NO_CONVERGENCE (alignment or
-// closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error), CONTACT_LOST
-// (while it was pressed), NO_REST.
+// Takes the record to where it survives. An error ends the procedure like one of the cell's: the
+// robot below is retracted.
+using OnChange = std::function<Result<void>(const ProcedureRecord&)>;
+
+// Goes on where the record is, until the microscope's turn. Errors: those of the cell and of
+// on_change; failed_precondition OTHER_TOOL (the record was begun with another), NO_CONVERGENCE
+// (alignment or closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error),
+// CONTACT_LOST (while it was pressed), NO_REST.
 // After an error the robot below has been retracted, or the sentence says that it could not be; one
 // that stands lower has not moved. After an error aborted (the axes were stopped, by a person or by
 // the daemon) nothing has moved any more.
 Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
-                       const std::function<void(const ProcedureRecord&)>& on_change);
+                       const OnChange& on_change);
 
 std::string_view to_string(Stage stage);
 

@@ -171,7 +171,8 @@ indentation::ProcedureRules study_rules() {
 Aligned align(TouchingRobots& robots) {
   Aligned out{.drawn_rx_arcsec = robots.plant().substrate_rx_arcsec(),
               .drawn_ry_arcsec = robots.plant().substrate_ry_arcsec()};
-  const auto done = indentation::carry_out(robots, study_rules(), out.record, [](const auto&) {});
+  const auto done = indentation::carry_out(robots, study_rules(), out.record,
+                                           [](const auto&) { return Result<void>(); });
   out.accepted = out.record.stage > indentation::Stage::align;
   if (!done) out.trouble = done.error().message;
   double low_nm = 1e12, high_nm = -1e12;

@@ -15,6 +15,9 @@ void confirm(const Console& console, bool yes, const std::string& title,
     throw Failure{ExitCode::usage, "usage", "NEEDS_YES",
                   "nobody can be asked here: read what is above, and give --yes"};
   console.err << verb << "? [y/N] " << std::flush;
+  if (console.await_answer && !console.await_answer())
+    throw Failure{ExitCode::interrupted, "cancelled", "INTERRUPTED",
+                  "interrupted: nothing was changed"};
   std::string answer;
   std::getline(*console.in, answer);
   if (answer == "y" || answer == "Y" || answer == "yes") return;

@@ -145,6 +145,7 @@ ExitCode exit_code_of(const grpc::Status& status) {
     case grpc::StatusCode::INVALID_ARGUMENT:
     case grpc::StatusCode::NOT_FOUND:
       return ExitCode::bad_input;
+    case grpc::StatusCode::CANCELLED:  // by the other side, which ends
     case grpc::StatusCode::UNAVAILABLE:
     case grpc::StatusCode::DEADLINE_EXCEEDED:
       return ExitCode::unreachable;
@@ -154,7 +155,7 @@ ExitCode exit_code_of(const grpc::Status& status) {
 }
 
 Connection::Connection(const Way& way, std::string operator_name, double timeout_s,
-                       Interrupt* interrupt)
+                       Interrupt* interrupt, const std::ostream* out)
     : address_(way.address),
       token_(way.token),
       cell_folder_(way.cell_folder),
@@ -163,7 +164,8 @@ Connection::Connection(const Way& way, std::string operator_name, double timeout
       tls_(way.tls()),
       operator_name_(std::move(operator_name)),
       timeout_s_(timeout_s),
-      interrupt_(interrupt) {
+      interrupt_(interrupt),
+      out_(out) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMostAnswerBytes);
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY,
@@ -211,10 +213,13 @@ void Connection::check(const grpc::Status& status) const {
   if (interrupted())
     throw Failure{ExitCode::interrupted, "cancelled", "INTERRUPTED", "interrupted"};
   const auto detail = detail_of(status);
-  Failure failure{exit_code_of(status), code_text(status.error_code()), detail.reason(),
-                  status.error_message()};
+  const bool by_reason = !detail.reason().empty();
+  Failure failure{by_reason && status.error_code() == grpc::StatusCode::CANCELLED
+                      ? ExitCode::refused
+                      : exit_code_of(status),
+                  code_text(status.error_code()), detail.reason(), status.error_message()};
   if (!detail.message().empty()) failure.message = detail.message();
-  const bool nobody_said_so = detail.reason().empty();
+  const bool nobody_said_so = !by_reason;
   const std::string tls_words = hint_of(status);
   if (nobody_said_so && status.error_code() == grpc::StatusCode::UNAVAILABLE)
     failure = {
@@ -224,6 +229,10 @@ void Connection::check(const grpc::Status& status) const {
                       : ": is driftwised running there? Start it, or name another with --server "
                         "host:port") +
             tls_words};
+  if (nobody_said_so && status.error_code() == grpc::StatusCode::CANCELLED)
+    failure = {ExitCode::unreachable, "cancelled", "NO_DAEMON",
+               "the daemon at " + address_ + " ended meanwhile, or ended this call" +
+                   (halting_ ? "" : ": ask again when it has started")};
   if (nobody_said_so && status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     failure = {ExitCode::unreachable, "deadline_exceeded", "TIMEOUT",
                "no answer from " + address_ + " in time" +

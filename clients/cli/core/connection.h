@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <type_traits>
 
@@ -20,13 +21,15 @@
 
 namespace driftwise::cli {
 
-// Exit codes of a failed call: input 3, daemon or device away 4, interrupted 130, everything
-// else 5.
+// Exit codes of a failed call: input 3, daemon or device away 4 (a call that the daemon's end
+// cancelled too), everything else 5.
 ExitCode exit_code_of(const grpc::Status& status);
 
 class Connection {
  public:
-  Connection(const Way& way, std::string operator_name, double timeout_s, Interrupt* interrupt);
+  // out: where the command's answer goes; may be null.
+  Connection(const Way& way, std::string operator_name, double timeout_s, Interrupt* interrupt,
+             const std::ostream* out = nullptr);
 
   std::shared_ptr<grpc::Channel> channel() const { return channel_; }
   const std::string& address() const { return address_; }
@@ -47,6 +50,7 @@ class Connection {
     return copy;
   }
   bool interrupted() const { return interrupt_ != nullptr && interrupt_->raised(); }
+  bool is_heard() const { return out_ == nullptr || out_->good(); }  // what is written arrives
 
   // Throws Failure (bad_input, NOT_TEXT) naming the field that holds bytes which are no UTF-8: a
   // binary file taken for a trajectory. gRPC itself would send nothing and say nothing.
@@ -70,14 +74,25 @@ class Connection {
     return response;
   }
 
-  // A server stream, message by message; on_message returns false to leave.
+  // A server stream, message by message; on_message returns false to leave. Left too when the
+  // answer cannot be written any more (its reader left, its disk is full): main.cc says which.
   template <class Stub, class Request, class Response>
   void follow(std::unique_ptr<grpc::ClientReader<Response>> (Stub::*method)(grpc::ClientContext*,
                                                                             const Request&),
               const std::type_identity_t<Request>& request,
               const std::type_identity_t<std::function<bool(const Response&)>>& on_message) const {
-    check_text(request);
     grpc::ClientContext context;
+    follow(context, method, request, on_message);
+  }
+
+  // The same in a context of the caller's, who cancels it from another thread to end it.
+  template <class Stub, class Request, class Response>
+  void follow(grpc::ClientContext& context,
+              std::unique_ptr<grpc::ClientReader<Response>> (Stub::*method)(grpc::ClientContext*,
+                                                                            const Request&),
+              const std::type_identity_t<Request>& request,
+              const std::type_identity_t<std::function<bool(const Response&)>>& on_message) const {
+    check_text(request);
     prepare(context, 0);
     const Interrupt::Scope scope(interrupt_, [&context] { context.TryCancel(); });
     Stub stub(channel_);
@@ -86,7 +101,7 @@ class Connection {
     bool left = false;
     while (!left && reader->Read(&response)) {
       clean_message(response);
-      left = !on_message(response);
+      left = !on_message(response) || !is_heard();
     }
     if (left) context.TryCancel();
     const grpc::Status status = reader->Finish();
@@ -104,6 +119,7 @@ class Connection {
   std::string operator_name_;
   double timeout_s_;
   Interrupt* interrupt_;
+  const std::ostream* out_;
   std::shared_ptr<grpc::Channel> channel_;
 };
 

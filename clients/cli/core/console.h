@@ -58,6 +58,9 @@ struct Console {
   int err_height = 24;         // lines, for a full screen
   std::istream* in = nullptr;  // where a question is answered; none: nobody can be asked
   bool in_is_terminal = false;
+  // Waits until an answer can be read from in; false: the person interrupts instead. None: it is
+  // there already.
+  std::function<bool()> await_answer = {};
 
   std::string variable(const std::string& name) const {
     const auto found = environment.find(name);

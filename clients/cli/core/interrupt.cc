@@ -9,11 +9,17 @@
 namespace driftwise::cli {
 namespace {
 
+bool is_ignored(int signal) {
+  struct sigaction action {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 sigset_t signals() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1})
-    sigaddset(&set, signal);  // USR1: our own wake-up at the end
+  sigaddset(&set, SIGUSR1);  // our own wake-up at the end
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (!is_ignored(signal)) sigaddset(&set, signal);
   return set;
 }
 
@@ -36,25 +42,26 @@ void Interrupt::wait() {
   while (!over_) {
     int signal = 0;
     if (sigwait(&set, &signal) != 0 || signal == SIGUSR1) continue;
-    if (raised_.exchange(true)) _exit(130);  // a second Ctrl-C: whatever holds us up, leave
     const std::lock_guard lock(mutex_);
-    if (!cancel_ && !attended_) _exit(130);
-    if (cancel_) cancel_();
+    if (raised_) _exit(130);  // a second Ctrl-C: whatever holds us up, leave
+    raised_ = true;
+    if (live_.empty() && !attended_) _exit(130);
+    for (const Scope* scope : live_) scope->cancel_();
   }
 }
 
 Interrupt::Scope::Scope(Interrupt* interrupt, std::function<void()> cancel)
-    : interrupt_(interrupt) {
+    : interrupt_(interrupt), cancel_(std::move(cancel)) {
   if (interrupt_ == nullptr) return;
   const std::lock_guard lock(interrupt_->mutex_);
-  if (interrupt_->raised_) cancel();
-  outer_ = std::exchange(interrupt_->cancel_, std::move(cancel));
+  if (interrupt_->raised_) cancel_();
+  interrupt_->live_.insert(this);
 }
 
 Interrupt::Scope::~Scope() {
   if (interrupt_ == nullptr) return;
   const std::lock_guard lock(interrupt_->mutex_);
-  interrupt_->cancel_ = std::move(outer_);
+  interrupt_->live_.erase(this);
 }
 
 }  // namespace driftwise::cli

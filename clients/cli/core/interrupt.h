@@ -5,14 +5,16 @@
 #include <atomic>
 #include <functional>
 #include <mutex>
+#include <set>
 #include <thread>
 
 namespace driftwise::cli {
 
 class Interrupt {
  public:
-  Interrupt();  // blocks SIGINT, SIGTERM and SIGHUP in this and all later threads and waits for
-                // them on a thread of its own
+  // Blocks SIGINT, SIGTERM and SIGHUP in this and all later threads and waits for them on a thread
+  // of its own. One that the parent ignores (nohup, a job in the background) stays ignored.
+  Interrupt();
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
@@ -23,7 +25,7 @@ class Interrupt {
   void attend() { attended_ = true; }
 
   // While it lives, cancel is called (once, on the other thread) when the interrupt comes; at once
-  // if it has come.
+  // if it has come. Scopes of several threads live side by side and end in any order.
   class Scope {
    public:
     Scope(Interrupt* interrupt, std::function<void()> cancel);
@@ -32,15 +34,16 @@ class Interrupt {
     Scope& operator=(const Scope&) = delete;
 
    private:
+    friend class Interrupt;
     Interrupt* interrupt_;  // may be null: nothing to listen to
-    std::function<void()> outer_;
+    std::function<void()> cancel_;
   };
 
  private:
   void wait();
   std::atomic<bool> raised_{false}, over_{false}, attended_{false};
   std::mutex mutex_;
-  std::function<void()> cancel_;  // of the innermost scope
+  std::set<Scope*> live_;
   std::thread thread_;
 };
 

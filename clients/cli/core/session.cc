@@ -1,10 +1,14 @@
 #include "clients/cli/core/session.h"
 
+#include <unistd.h>
+
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 
 #include "clients/cli/core/read_stream.h"
 
@@ -42,13 +46,45 @@ std::string write_to(const std::filesystem::path& file, const std::string& text)
   return std::strerror(errno != 0 ? errno : EIO);
 }
 
-// Target of a link, also of one to a file that does not exist yet.
+// Number of the open file that this path names: 1 of "-", "/dev/stdout" and "/proc/self/fd/1".
+std::optional<int> open_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (path == "-") return STDOUT_FILENO;
+  const auto folder = std::filesystem::canonical("/proc/self/fd", ignored);
+  if (ignored || std::filesystem::canonical(path.parent_path(), ignored) != folder) return {};
+  const std::string name = path.filename().string();
+  int number = -1;
+  const auto read = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (read.ec != std::errc() || read.ptr != name.data() + name.size()) return {};
+  return number;
+}
+
+// Target of a link, also of one to a file that does not exist yet. What this process has open is a
+// target too: behind it a link of the kernel's leads on to the file, where all that was written
+// before would be replaced.
 std::filesystem::path end_of_links(std::filesystem::path file) {
   constexpr int kMostLinks = 40;  // as the kernel
   std::error_code ignored;
-  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(file, ignored); ++i)
+  for (int i = 0; i < kMostLinks && !open_file(file); ++i) {
+    if (!std::filesystem::is_symlink(file, ignored)) break;
     file = file.parent_path() / std::filesystem::read_symlink(file, ignored);
+  }
   return file;
+}
+
+// Says why not, or nothing. Standard output through its stream, behind what stands there already.
+std::string write_to_open(int number, const std::string& text) {
+  if (number == STDOUT_FILENO) {
+    std::cout << text << std::flush;
+    return {};
+  }
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t written = ::write(number, text.data() + done, text.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return std::strerror(written < 0 ? errno : EIO);
+    done += static_cast<std::size_t>(written);
+  }
+  return {};
 }
 
 }  // namespace
@@ -64,12 +100,16 @@ void write_output_file(const std::string& path, const std::string& text,
                          "another name");
   if (fs::is_directory(path, ignored))
     throw cannot_write(path, "it is a folder, expected the name of a file");
+  const fs::path file = end_of_links(path);
+  if (const auto number = open_file(file)) {
+    if (const auto why = write_to_open(*number, text); !why.empty()) throw cannot_write(path, why);
+    return;
+  }
   // A file renamed over a device would take its place: as root even that of /dev/null.
   if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
     if (const auto why = write_to(path, text); !why.empty()) throw cannot_write(path, why);
     return;
   }
-  const fs::path file = end_of_links(path);
   const fs::path part = file.string() + ".part";
   auto why = write_to(part, text);
   if (why.empty() && std::rename(part.c_str(), file.c_str()) != 0) why = std::strerror(errno);

@@ -25,7 +25,7 @@ struct Session {
     if (interrupt != nullptr) interrupt->attend();
     WayOptions options = way;
     options.server = server;
-    return {find_way(options, console), operator_name, timeout_s, interrupt};
+    return {find_way(options, console), operator_name, timeout_s, interrupt, &console.out};
   }
 };
 
@@ -42,8 +42,10 @@ std::string read_input_file(const std::string& path);
 // The same path's last part: how a run is named when nobody named it.
 std::string base_name(const std::string& path);
 // Writes a file in one piece (a temporary beside it, then renamed), or nothing. A link stays a
-// link, a device or pipe (/dev/stdout, /dev/null) is written to as it is. Throws Failure (bad_input
-// CANNOT_WRITE) naming it; what stood there before still does then.
+// link, a device or pipe (/dev/null) is written to as it is, and so is what this process has open
+// (/dev/stdout, /dev/fd/3, "-" for standard output), where it stands: `-o /dev/stdout >> file` adds
+// to the file. Throws Failure (bad_input CANNOT_WRITE) naming it; what stood there before still
+// does then. Of standard output main.cc says it at the end.
 // read: files that the command read, which may be the only copy of a measurement; refused.
 void write_output_file(const std::string& path, const std::string& text,
                        const std::vector<std::string>& read = {});

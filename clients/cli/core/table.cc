@@ -12,8 +12,28 @@ std::size_t width_of(const std::string& text) {
   }));
 }
 
-void Table::add(std::vector<std::string> row) {
-  for (auto& cell : row) cell = clean_line(cell);
+namespace {
+
+std::string painted(const Table::Cell& cell, const Paint& paint) {
+  switch (cell.text.empty() ? Colour::none : cell.colour) {
+    case Colour::none:
+      return cell.text;
+    case Colour::good:
+      return paint.good(cell.text);
+    case Colour::warn:
+      return paint.warn(cell.text);
+    case Colour::bad:
+      return paint.bad(cell.text);
+    case Colour::dim:
+      return paint.dim(cell.text);
+  }
+  return cell.text;
+}
+
+}  // namespace
+
+void Table::add(std::vector<Cell> row) {
+  for (auto& cell : row) cell.text = clean_line(cell.text);
   rows_.push_back(std::move(row));
 }
 
@@ -25,21 +45,23 @@ void Table::print(std::ostream& out, const Paint& paint) const {
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     std::size_t width = width_of(columns_[i].header);
     for (const auto& row : rows_)
-      if (i < row.size() && width_of(row[i]) <= kWidest) width = std::max(width, width_of(row[i]));
+      if (i < row.size() && width_of(row[i].text) <= kWidest)
+        width = std::max(width, width_of(row[i].text));
     widths.push_back(width);
   }
-  const auto line_of = [&](const std::vector<std::string>& cells) {
+  const auto line_of = [&](const std::vector<Cell>& cells) {
     std::string line;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
-      const std::string cell = i < cells.size() ? cells[i] : "";
-      const std::string padding(widths[i] - std::min(widths[i], width_of(cell)), ' ');
+      const Cell cell = i < cells.size() ? cells[i] : "";
+      const std::string padding(widths[i] - std::min(widths[i], width_of(cell.text)), ' ');
+      const std::string text = painted(cell, paint);
       if (i > 0) line += "  ";
-      line += columns_[i].align == Align::right ? padding + cell : cell + padding;
+      line += columns_[i].align == Align::right ? padding + text : text + padding;
     }
     line.erase(line.find_last_not_of(' ') + 1);
     return line;
   };
-  std::vector<std::string> headers;
+  std::vector<Cell> headers;
   for (const auto& column : columns_) headers.push_back(column.header);
   out << paint.bold(line_of(headers)) << '\n';
   for (const auto& row : rows_) out << line_of(row) << '\n';

@@ -54,7 +54,7 @@ void print_budget(const Console& console,
   columns.push_back({""});
   Table table(columns);
   for (const auto& source : kSources) {
-    std::vector<std::string> row = {source.name, source.type};
+    std::vector<Table::Cell> row = {source.name, source.type};
     bool any = false;
     for (const auto& coordinate : coordinates) {
       const auto* line = line_of(coordinate, source.source);
@@ -66,7 +66,7 @@ void print_budget(const Console& console,
     row.emplace_back(source.what);
     if (any) table.add(std::move(row));
   }
-  std::vector<std::string> combined = {"combined", ""}, expanded = {"expanded", ""};
+  std::vector<Table::Cell> combined = {"combined", ""}, expanded = {"expanded", ""};
   for (const auto& coordinate : coordinates) {
     const auto& joint = coordinate.joint();
     combined.push_back(joints ? fixed(joint.u_arcsec(), 3) : fixed(coordinate.u_nm(), 2));

@@ -124,7 +124,7 @@ std::vector<std::string> LivePicture::values(const Paint& paint, std::size_t wid
     const double age_s =
         known && i < values_.age_ms_size() ? static_cast<double>(values_.age_ms(i)) / 1e3 : -1;
     const bool stale = age_s < 0 || (column.stale_after_s() > 0 && age_s > column.stale_after_s());
-    std::vector<std::string> row{symbol_of(column),
+    std::vector<Table::Cell> row{symbol_of(column),
                                  known ? value_text(column, values_.values(i)) : "-", column.unit(),
                                  age_s < 0 ? "never" : span_text(age_s), stale ? "stale" : ""};
     if (with_history) {
@@ -154,7 +154,7 @@ std::string LivePicture::screen(const Paint& paint, std::size_t width, std::size
                               " more lines; a larger window or --channels shows them"));
   }
   std::string text;
-  for (const auto& line : lines) text += line + "\n";
+  for (const auto& line : lines) text += (text.empty() ? "" : "\n") + line;
   return text;
 }
 

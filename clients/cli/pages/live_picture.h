@@ -25,7 +25,8 @@ class LivePicture {
   std::vector<std::string> unknown() const;
 
   // Lines of at most width characters, at most height of them; what does not fit is counted in the
-  // last one. trouble: why nothing comes any more; empty: it is live.
+  // last one. No line end after the last one: a full window would scroll its first line away.
+  // trouble: why nothing comes any more; empty: it is live.
   std::string screen(const Paint& paint, std::size_t width, std::size_t height,
                      const std::string& trouble) const;
   // One line, for a log.

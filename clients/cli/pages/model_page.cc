@@ -354,7 +354,7 @@ void print_comparison(const Console& console, const v1::CompareModelsResponse& c
         {"model " + std::to_string(model.id()) + (model.serving() ? "*" : ""), Align::right});
   Table table(columns);
   const auto figure = [&](const std::string& channel, const std::string& name, auto text_of) {
-    std::vector<std::string> row = {channel, name};
+    std::vector<Table::Cell> row = {channel, name};
     for (const auto& model : comparison.models()) {
       const auto* output = output_of(model, channel);
       row.push_back(output == nullptr ? "-" : text_of(*output));
@@ -389,7 +389,7 @@ void print_comparison(const Console& console, const v1::CompareModelsResponse& c
     });
     for (const auto& row : comparison.rows()) {
       if (row.channel() != channel) continue;
-      std::vector<std::string> cells = {channel, row.term()};
+      std::vector<Table::Cell> cells = {channel, row.term()};
       for (const auto& cell : row.cells())
         cells.push_back(cell.included()  ? significant(cell.coefficient(), 6)
                         : cell.offered() ? "out"

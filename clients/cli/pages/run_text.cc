@@ -99,7 +99,7 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs,
   if (has_setups) columns.insert(columns.begin() + 2, {"set-up"});
   Table table(std::move(columns));
   for (const auto& run : runs) {
-    std::vector<std::string> row = {
+    std::vector<Table::Cell> row = {
         std::to_string(run.id()),
         run.name(),
         state_text(run.state()),

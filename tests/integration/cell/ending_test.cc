@@ -74,5 +74,18 @@ TEST(Ending, AClientWhoseTerminalGoesAwayGivesItsLeaseBack) {
   EXPECT_EQ(cell.state_of(1), "running");
 }
 
+TEST(Ending, NohupGoesOn) {
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto plan = cell.write("plan.csv", campaign(8, 6));
+  Process watch({"/bin/sh", "-c", "trap '' HUP; exec \"$0\" \"$@\"",
+                 std::string(DRIFTWISE_BIN_DIR) + "/driftwise", "--server", cell.grpc_address(),
+                 "run", "start", plan, "--watch"});
+  cell.wait_for_points(2);
+  watch.signal(SIGHUP);
+  EXPECT_EQ(watch.wait(std::chrono::minutes(2)), 0) << "the terminal went away, the watch did not";
+  EXPECT_EQ(cell.state_of(1), "done");
+}
+
 }  // namespace
 }  // namespace driftwise::tests

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -102,6 +103,16 @@ TEST_F(LivePictureTest, NeverDrawsBeyondTheWindow) {
     for (std::string line; std::getline(lines, line); ++count)
       EXPECT_LE(width_of(line), 60u) << line;
     EXPECT_LE(count, height);
+  }
+}
+
+// A line end behind the last line of a full window scrolls the first one away, which says whether
+// it is live.
+TEST_F(LivePictureTest, EndsAFullWindowWithoutALineEnd) {
+  for (const std::size_t height : {5u, 6u, 40u}) {
+    const auto text = screen(60, height);
+    EXPECT_FALSE(text.ends_with('\n'));
+    EXPECT_LT(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), height);
   }
 }
 

@@ -1,7 +1,26 @@
+#include <future>
+#include <streambuf>
+#include <utility>
+
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
 namespace {
+
+// Tells when the first line was written; what is written is of no interest.
+class FirstLine final : public std::streambuf {
+ public:
+  std::promise<void> written;
+
+ protected:
+  int overflow(int c) override {
+    if (c == '\n' && !std::exchange(is_told_, true)) written.set_value();
+    return c;
+  }
+
+ private:
+  bool is_told_ = false;
+};
 
 class RunCommandsTest : public CliTest {
  protected:
@@ -109,6 +128,25 @@ TEST_F(RunCommandsTest, AWatchThatRunsOutOfTimeLeavesTheRunAlone) {
   EXPECT_EQ(outcome.exit, 4);
   EXPECT_THAT(outcome.err, HasSubstr("run 1 goes on"));
   EXPECT_THAT(outcome.err, HasSubstr("driftwise run abort 1"));
+}
+
+// Its streams are cancelled without a reason; the run itself waits for the next start.
+TEST_F(RunCommandsTest, AWatchSaysThatTheRunGoesOnWhenTheDaemonEnds) {
+  json({"run", "start", trajectory()});
+  cell.add_run();
+  cell.on_executor([&] { runs.tells_at_once = true; });
+  FirstLine line;
+  std::ostream out(&line);
+  std::ostringstream err;
+  cli::Console console{out, err, false, false, 80, environment, folder.path()};
+  auto watching = std::async(std::launch::async, [&] {
+    return cli::run_cli({"run", "watch", "1", "--json", "--timeout", "60"}, console);
+  });
+  line.written.get_future().wait();
+  server->shut_down(std::chrono::milliseconds(0));
+  EXPECT_EQ(watching.get(), 4);
+  EXPECT_THAT(err.str(), testing::AllOf(HasSubstr("NO_DAEMON"), HasSubstr("ended meanwhile"),
+                                        HasSubstr("run 1 goes on when it starts")));
 }
 
 TEST_F(RunCommandsTest, ListsRunsAsATable) {

@@ -68,10 +68,11 @@ class IdealCell final : public TouchingCell {
   // The instruments stand 3 um beside the robot's own frame at 0.1 mm.
   Result<Here> here() override { return Here{.x_mm = x_ * 1.03, .y_mm = y_}; }
 
- private:
   double overlap_mm() const {
     return z_ - 1.6 + y_ * tangent(rx_ + tilt_rx_arcsec) - x_ * tangent(ry_ + tilt_ry_arcsec);
   }
+
+ private:
   Result<void> alive() {
     if (calls_left-- > 0) return {};
     return fail(ErrorCode::unavailable, reasons::kLinkLost, "the daemon is away");
@@ -89,7 +90,7 @@ ProcedureRules rules() {
   return rules;
 }
 
-const auto kNobody = [](const ProcedureRecord&) {};
+const auto kNobody = [](const ProcedureRecord&) -> Result<void> { return {}; };
 
 TEST(Procedure, AlignsFindsTheZeroAndMakesEveryIndent) {
   IdealCell cell;
@@ -129,7 +130,10 @@ TEST(Procedure, GoesOnAfterItWasLostAnywhere) {
     cell.calls_left = lost_at;
     ProcedureRecord kept;
     ProcedureRecord first;
-    const auto keep = [&kept](const ProcedureRecord& now) { kept = now; };
+    const auto keep = [&kept](const ProcedureRecord& now) -> Result<void> {
+      kept = now;
+      return {};
+    };
     if (carry_out(cell, rules(), first, keep)) break;
     cell.calls_left = 1'000'000;
     ProcedureRecord second = kept;
@@ -145,6 +149,31 @@ TEST(Procedure, GoesOnAfterItWasLostAnywhere) {
                 1e-3)
           << "lost at " << lost_at;
   }
+}
+
+// A disk that is full at any change of the record, for good or for once: whoever goes on starts
+// from the record that was kept last.
+TEST(Procedure, RetractsWhereTheRecordCannotBeWritten) {
+  int refused = 0;
+  for (int full_at = 1;; ++full_at, ++refused) {
+    IdealCell cell;
+    ProcedureRecord record, kept;
+    int changes = 0;
+    const auto keep = [&](const ProcedureRecord& now) -> Result<void> {
+      if (++changes >= full_at)
+        return fail(ErrorCode::failed_precondition, "CANNOT_WRITE", "no space left on device");
+      kept = now;
+      return {};
+    };
+    const auto done = carry_out(cell, rules(), record, keep);
+    if (done) break;
+    EXPECT_EQ(done.error().message, "no space left on device") << full_at;
+    EXPECT_LT(cell.overlap_mm(), 0) << full_at << ": the robot below is left in contact";
+    EXPECT_FALSE(record.in_contact) << full_at;
+    ASSERT_TRUE(carry_out(cell, rules(), kept, kNobody)) << full_at;
+    EXPECT_EQ(kept.indents.size(), 3U) << full_at;
+  }
+  EXPECT_EQ(refused, 37);
 }
 
 // Somebody may be in the cell: the retract waits for the next start.

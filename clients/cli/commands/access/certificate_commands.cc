@@ -225,8 +225,20 @@ std::vector<std::string> issued_to(const fs::path& folder, const std::string& na
   return paths;
 }
 
+// Half an authority is no reason for a new one: the daemon would take it over within seconds, and
+// nobody who holds a certificate of the other one would get in.
 bool make_authority(const fs::path& folder) {
-  if (fs::exists(folder / "authority.pem") && fs::exists(folder / "authority.key")) return false;
+  const fs::path certificate = folder / "authority.pem", key = folder / "authority.key";
+  if (fs::exists(certificate) && fs::exists(key)) return false;
+  if (fs::exists(certificate) || fs::exists(key)) {
+    const bool keyless = fs::exists(certificate);
+    throw Failure{ExitCode::bad_input, "not_found", "NO_FILE",
+                  (keyless ? key : certificate).string() + " is not there, " +
+                      (keyless ? certificate : key).string() +
+                      " is: nothing was changed. Put the missing one beside it for this command, "
+                      "or make another authority, which no present client knows, in a folder of "
+                      "its own with --folder"};
+  }
   const std::string subject = ("Driftwise authority " + host_name()).substr(0, 60);
   openssl(folder,
           with_new_key({"req", "-x509", "-new", "-keyout", (folder / "authority.key").string(),
@@ -291,8 +303,9 @@ ExitCode cert_client(const Session& session, const CertificateArguments& a) {
   if (!fs::exists(folder / "authority.key"))
     throw Failure{ExitCode::bad_input, "not_found", "NO_FILE",
                   (folder / "authority.key").string() +
-                      " is not there: make the authority with 'driftwise cert init', or name its "
-                      "folder with --folder"};
+                      " is not there: put it there for this command, name its folder with "
+                      "--folder, or make an authority with 'driftwise cert init' where there is "
+                      "none yet"};
   sign(For::client, folder, a.name, a.name, "clientAuth", "URI:driftwise:role/" + a.role,
        days_text(a.days, kClientDays));
   keep_issued(folder, a.name);

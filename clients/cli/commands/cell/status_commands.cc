@@ -82,9 +82,11 @@ void print_status(const Console& console, const v1::GetStatusResponse& status,
     const int decimals = value.channel().ends_with("_mm")   ? 6
                          : value.channel().ends_with("_nm") ? 1
                                                             : 4;
-    table.add({value.channel(), value.has_value() ? fixed(value.value(), decimals) : "-",
+    table.add({value.channel(),
+               value.has_value() ? fixed(value.value(), decimals) : "-",
                value.has_age_duration() ? span_text(seconds_of(value.age_duration())) : "never",
-               value.device_id(), value.stale() ? paint.warn("stale") : ""});
+               value.device_id(),
+               {value.stale() ? "stale" : "", Colour::warn}});
   }
   table.print(console.out, paint);
 }

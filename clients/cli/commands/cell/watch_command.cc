@@ -33,9 +33,15 @@ class FullScreen {
   FullScreen(const FullScreen&) = delete;
   FullScreen& operator=(const FullScreen&) = delete;
   void show(const std::string& screen) const {
-    std::string text = "\x1b[H";
-    for (const char c : screen) text += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);
-    out_ << text << "\x1b[J" << std::flush;
+    // Cleared before a line is written: behind one as wide as the window its last character would
+    // go too.
+    std::string text = "\x1b[H\x1b[K";
+    const auto last = screen.rfind('\n');
+    for (std::size_t i = 0; i < screen.size(); ++i) {
+      text += screen[i];
+      if (screen[i] == '\n') text += i == last ? "\x1b[J" : "\x1b[K";
+    }
+    out_ << text << std::flush;
   }
 
  private:
@@ -53,12 +59,13 @@ class Watching {
       screen_ = std::make_unique<FullScreen>(session.console.out);
   }
 
-  // Returns at --once only; else it ends by Ctrl-C, or where nobody looks (a pipe, a log) by a
-  // loss.
+  // Returns at --once, or when nobody reads what it writes; else it ends by Ctrl-C, or where nobody
+  // looks (a pipe, a log) by a loss.
   ExitCode run() {
     for (;;) {
       try {
         follow();
+        if (!connection_.is_heard()) return ExitCode::done;
         if (const auto words = picture_.unknown(); !words.empty())
           throw Failure{
               ExitCode::bad_input, "not_found", "UNKNOWN_CHANNEL",
@@ -129,7 +136,8 @@ class Watching {
                                     static_cast<std::size_t>(console.err_width),
                                     static_cast<std::size_t>(console.err_height), trouble_));
     } else if (arguments_.once) {
-      console.out << picture_.screen(console.paint_out(), 120, 10000, trouble_) << std::flush;
+      console.out << picture_.screen(console.paint_out(), 120, 10000, trouble_) << '\n'
+                  << std::flush;
     } else if (!console.json && Steady::now() >= next_line_) {
       next_line_ = Steady::now() +
                    std::chrono::milliseconds(static_cast<std::int64_t>(arguments_.every_s * 1e3));

@@ -11,6 +11,7 @@
 #include "clients/cli/core/validators.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/commissioning_service.grpc.pb.h"
+#include "server/core/channel.h"
 
 namespace driftwise::cli {
 namespace {
@@ -29,7 +30,7 @@ struct AlignArguments {
 bool is_shown(const v1::LatestValue& value) {
   const auto& name = value.channel();
   return name.find("level_pct") != std::string::npos || name.ends_with("_arcsec") ||
-         (name.ends_with("_mm") && !name.starts_with("q"));
+         (name.ends_with("_mm") && !without_robot(name).starts_with("q"));
 }
 
 ExitCode align(const Session& session, const AlignArguments& a) {
@@ -73,7 +74,7 @@ ExitCode align(const Session& session, const AlignArguments& a) {
       table.print(session.console.out, paint);
       session.console.out << std::flush;
     }
-    if (a.once) return ExitCode::done;
+    if (a.once || !connection.is_heard()) return ExitCode::done;
     std::this_thread::sleep_for(std::chrono::duration<double>(a.every_s));
     if (connection.interrupted()) return ExitCode::interrupted;
   }
@@ -106,10 +107,14 @@ ExitCode thermometers(const Session& session, const AlignArguments& a) {
                {"noise, mK", Align::right},
                {""}});
   for (const auto& one : response.thermometers())
-    table.add({one.channel(), one.part(), signed_fixed(1e3 * one.offset_k(), 1),
-               fixed(1e3 * one.u_offset_k(), 1), fixed(1e3 * one.u_certificate_k(), 1),
-               signed_fixed(1e3 * one.drift_k_per_h(), 1), fixed(1e3 * one.noise_k(), 1),
-               one.out() ? paint.bad("out") : "in"});
+    table.add({one.channel(),
+               one.part(),
+               signed_fixed(1e3 * one.offset_k(), 1),
+               fixed(1e3 * one.u_offset_k(), 1),
+               fixed(1e3 * one.u_certificate_k(), 1),
+               signed_fixed(1e3 * one.drift_k_per_h(), 1),
+               fixed(1e3 * one.noise_k(), 1),
+               {one.out() ? "out" : "in", one.out() ? Colour::bad : Colour::none}});
   table.print(session.console.out, paint);
   session.console.out << "mean " << fixed(response.mean_degc(), 3) << " degC, "
                       << signed_fixed(1e3 * response.common_drift_k_per_h(), 1) << " mK/h in "

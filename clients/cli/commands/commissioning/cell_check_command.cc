@@ -10,16 +10,16 @@ namespace {
 using CommissioningStub = v1::CommissioningService::Stub;
 constexpr double kCheckTakes_s = 120;  // devices that do not answer are waited for
 
-std::string finding_text(const Paint& paint, v1::CheckVerdict finding) {
+Table::Cell finding_cell(v1::CheckVerdict finding) {
   switch (finding) {
     case v1::CHECK_VERDICT_GOOD:
-      return paint.good("good");
+      return {"good", Colour::good};
     case v1::CHECK_VERDICT_WARNING:
-      return paint.warn("look");
+      return {"look", Colour::warn};
     case v1::CHECK_VERDICT_BAD:
-      return paint.bad("bad");
+      return {"bad", Colour::bad};
     default:
-      return paint.dim("not declared");
+      return {"not declared", Colour::dim};
   }
 }
 
@@ -40,7 +40,7 @@ ExitCode check(const Session& session) {
     wrong += item.verdict() == v1::CHECK_VERDICT_BAD;
     undeclared += item.verdict() == v1::CHECK_VERDICT_UNKNOWN;
     table.add({item.device_id(), item.asked(), item.found(), item.expected(),
-               finding_text(paint, item.verdict()), item.advice()});
+               finding_cell(item.verdict()), item.advice()});
   }
   table.print(session.console.out, paint);
   session.console.out << good << " good, " << look << " to look at, " << wrong << " bad, "
@@ -61,10 +61,11 @@ ExitCode certificates(const Session& session) {
   const Paint paint = session.console.paint_out();
   Table table({{"device"}, {"number"}, {"laboratory"}, {"date"}, {"due"}, {""}});
   for (const auto& one : response.certificates()) {
-    std::string left;
-    if (one.has_days_left())
-      left = one.days_left() < 0 ? paint.bad(std::to_string(-one.days_left()) + " days overdue")
-                                 : std::to_string(one.days_left()) + " days left";
+    Table::Cell left("");
+    if (one.has_days_left() && one.days_left() < 0)
+      left = {std::to_string(-one.days_left()) + " days overdue", Colour::bad};
+    else if (one.has_days_left())
+      left = std::to_string(one.days_left()) + " days left";
     table.add({one.device_id(), one.number(), one.laboratory(), one.date(),
                one.due_date().empty() ? "none stated" : one.due_date(), left});
   }

@@ -230,7 +230,7 @@ void print_match(const Console& console, const correction::InstrumentMatch& matc
   for (const auto& axis : match.axes) columns.push_back({axis + ", nm", Align::right});
   Table rows(columns);
   for (const Eigen::Index k : worst_rows(match, most_rows)) {
-    std::vector<std::string> line{std::to_string(match.row[static_cast<std::size_t>(k)])};
+    std::vector<Table::Cell> line{std::to_string(match.row[static_cast<std::size_t>(k)])};
     for (Eigen::Index axis = 0; axis < match.residual_nm.rows(); ++axis)
       line.push_back(signed_fixed(match.residual_nm(axis, k), 1));
     rows.add(std::move(line));

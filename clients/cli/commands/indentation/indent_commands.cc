@@ -51,6 +51,17 @@ ProcedureRecord stored_record(const std::string& file) {
   return value_or_throw(formats::read_procedure_json(read_input_file(path), path));
 }
 
+// A record that cannot be kept is an error of the procedure, which retracts before it ends.
+Result<void> kept_record(const std::string& file, const ProcedureRecord& record) {
+  try {
+    write_output_file(record_path(file), formats::procedure_json(record));
+  } catch (const Failure& failure) {
+    return fail(ErrorCode::failed_precondition, reasons::kCannotWrite,
+                failure.message + ": make room there; the same command goes on");
+  }
+  return {};
+}
+
 void say_plan(const Console& console, const formats::IndentationFile& file,
               const ProcedureRecord& record) {
   console.out << file.name << ": tool " << file.rules.tool << ", "
@@ -87,11 +98,12 @@ ExitCode start(const Session& session, const IndentArguments& a) {
   write_output_file(record_path(a.file), formats::procedure_json(record));
   console.err << "indentation " << report.id() << '\n';
   std::size_t said = record.log.size();
-  const auto done = carry_out(cell, file.rules, record, [&](const ProcedureRecord& now) {
-    write_output_file(record_path(a.file), formats::procedure_json(now));
-    for (; said < now.log.size(); ++said) console.err << now.log[said] << '\n' << std::flush;
-    report.report(now);
-  });
+  const auto done =
+      carry_out(cell, file.rules, record, [&](const ProcedureRecord& now) -> Result<void> {
+        for (; said < now.log.size(); ++said) console.err << now.log[said] << '\n' << std::flush;
+        report.report(now);
+        return kept_record(a.file, now);
+      });
   report.report(record, done ? "all indents are made" : done.error().message);
   if (!done && done.error().code == ErrorCode::cancelled)
     throw Failure{ExitCode::interrupted, "cancelled", done.error().reason, done.error().message};

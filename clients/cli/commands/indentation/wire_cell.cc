@@ -33,15 +33,15 @@ WireCell::WireCell(const Connection& connection, const formats::IndentationFile&
 }
 
 WireCell::~WireCell() {
-  ending_ = true;
+  stream_.TryCancel();
   thread_.join();
 }
 
-// Ends with the next reading after ending_, or with the stream.
+// Ends with the stream, also where no reading comes any more: the lease is given up after it.
 void WireCell::follow() {
   std::string why = "the daemon ended the stream of readings";
   try {
-    connection_.follow(&v1::CellService::Stub::WatchReadings, v1::WatchReadingsRequest{},
+    connection_.follow(stream_, &v1::CellService::Stub::WatchReadings, v1::WatchReadingsRequest{},
                        [this](const v1::WatchReadingsResponse& response) {
                          const std::lock_guard lock(mutex_);
                          for (const auto& value : response.reading().values()) {
@@ -52,7 +52,7 @@ void WireCell::follow() {
                          }
                          last_ = response.reading().end_time();
                          arrived_.notify_all();
-                         return !ending_;
+                         return true;
                        });
   } catch (const Failure& failure) {
     why = failure.message;

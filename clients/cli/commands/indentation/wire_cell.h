@@ -2,7 +2,6 @@
 // The two robots of an indentation behind a daemon: moved with a lease, looked at through the
 // stream of readings. Made and used on one thread; the stream has its own.
 
-#include <atomic>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -65,7 +64,7 @@ class WireCell final : public indentation::TouchingCell {
   std::map<std::string, Channel> latest_;
   std::string lost_;  // why the stream ended
   google::protobuf::Timestamp last_;
-  std::atomic<bool> ending_{false};
+  grpc::ClientContext stream_;  // of the thread's call; cancelled at the end
   std::thread thread_;
 };
 

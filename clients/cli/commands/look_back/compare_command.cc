@@ -37,7 +37,7 @@ void print_block(const Console& console, const v1::CompareRunsResponse& response
   }
   Table table(columns);
   for (const auto& [name, unit] : names) {
-    std::vector<std::string> row{name + ", " + unit};
+    std::vector<Table::Cell> row{name + ", " + unit};
     const int digits = unit == "K" ? 3 : 1;
     for (const auto& run : response.runs()) {
       const v1::ComparedSeries* found = nullptr;

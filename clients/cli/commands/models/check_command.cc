@@ -48,12 +48,15 @@ void print_output(const Console& console, const v1::OutputCheck& output) {
                  "", "", "not judged: " + run.why_not()});
       continue;
     }
-    table.add({std::to_string(run.run_id()), started, std::to_string(run.row_count()),
+    table.add({std::to_string(run.run_id()),
+               started,
+               std::to_string(run.row_count()),
                with_limit(run.has_bias_limit(), run.bias(), run.bias_limit(), "+-"),
                run.has_bias_limit() ? chart_line(run.bias(), run.bias_limit()) : "zero not known",
-               fixed(run.sd(), 1) + " (" + fixed(run.sd_limit(), 1) + ")", fixed(run.a90(), 1),
+               fixed(run.sd(), 1) + " (" + fixed(run.sd_limit(), 1) + ")",
+               fixed(run.a90(), 1),
                with_limit(run.has_ewma_bias(), run.ewma_bias(), run.ewma_bias_limit(), "+-"),
-               run.out_of_control().empty() ? "" : paint.bad("out of control")});
+               {run.out_of_control().empty() ? "" : "out of control", Colour::bad}});
   }
   table.print(console.out, paint);
 }

@@ -156,7 +156,7 @@ void print_ladder(const Console& console, const identification::Ladder& ladder) 
   Table table(columns);
   for (std::size_t i = 0; i < ladder.steps.size(); ++i) {
     const auto& step = ladder.steps[i];
-    std::vector<std::string> row{std::to_string(i),
+    std::vector<Table::Cell> row{std::to_string(i),
                                  step.added,
                                  std::to_string(step.terms),
                                  fixed(step.a90_rms * unit.factor, 1),
@@ -246,7 +246,7 @@ void print_curve(const Console& console, const identification::LearningCurve& cu
                {"90 % interval", Align::right}});
   const auto text = [&](double value) { return fixed(value * unit.factor, 1); };
   for (const auto& point : curve.points) {
-    std::vector<std::string> row{std::to_string(point.rows)};
+    std::vector<Table::Cell> row{std::to_string(point.rows)};
     for (const auto* figure : {&point.random, &point.spread}) {
       row.push_back(*figure ? text((*figure)->a90) : "too few");
       row.push_back(*figure ? text((*figure)->low) + " to " + text((*figure)->high) : "");
@@ -327,7 +327,7 @@ void print_sets(const Console& console, const identification::SetTable& sets) {
   for (std::size_t i = 0; i < sets.cells.size(); ++i) {
     const auto& cell = sets.cells[i];
     const std::size_t m = i / sets.sets.size(), s = i % sets.sets.size();
-    std::vector<std::string> row{s == 0 ? cell.model : "",
+    std::vector<Table::Cell> row{s == 0 ? cell.model : "",
                                  s == 0 ? std::to_string(sets.terms[m]) : "", cell.set,
                                  std::to_string(cell.rows)};
     for (const auto& figure : cell.outputs) {

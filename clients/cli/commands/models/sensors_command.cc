@@ -73,7 +73,7 @@ void print_study(const Console& console, const calibration::SensorStudy& study,
   for (std::size_t i = 0; i < study.best.size(); ++i) {
     const auto& set = study.best[i];
     const double cost = (set.a90_blocks_rms - study.best.front().a90_blocks_rms) * unit.factor;
-    std::vector<std::string> row = {std::to_string(set.sensors.size()),
+    std::vector<Table::Cell> row = {std::to_string(set.sensors.size()),
                                     fixed(set.a90_blocks_rms * unit.factor, 1),
                                     (cost < 0 ? "" : "+") + fixed(cost, 1)};
     for (const auto& figure : set.outputs) {

@@ -37,7 +37,7 @@ void print_lines(const Console& console, const v1::StudyDesignResponse& study) {
     }
     Table table(columns);
     const auto row_of = [&](const std::string& title, auto before, auto after) {
-      std::vector<std::string> row{title};
+      std::vector<Table::Cell> row{title};
       for (const auto* output : outputs) {
         row.push_back(before(*output));
         row.push_back(after(*output));

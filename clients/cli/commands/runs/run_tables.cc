@@ -78,7 +78,7 @@ ExitCode show_points(const Session& session, std::int64_t run_id) {
   for (const auto& channel : channels) columns.push_back({channel, Align::right});
   Table table(columns);
   for (const auto& point : all.points()) {
-    std::vector<std::string> row = {
+    std::vector<Table::Cell> row = {
         std::to_string(point.row()),
         std::string(point.set() == v1::POINT_SET_VALIDATION ? "validation" : "calibration") +
             (point.repeated_line() ? ", repeated" : ""),
@@ -200,7 +200,7 @@ ExitCode show_datums(const Session& session, std::int64_t run_id) {
   Table table({{"datum", Align::right}, {"opened (UTC)"}, {"reason"}, {"conditions"}});
   constexpr int kAtOnce = 4;  // a line of a terminal each
   for (const auto& datum : response.datums()) {
-    std::vector<std::string> row = {std::to_string(datum.id()), clock_text(datum.open_time()),
+    std::vector<Table::Cell> row = {std::to_string(datum.id()), clock_text(datum.open_time()),
                                     datum.reason()};
     std::string conditions;
     for (int i = 0; i < datum.values_size(); ++i) {

@@ -49,9 +49,14 @@ v1::Run watch_until_over(const Session& session, const Connection& connection,
         };
     connection.follow(&v1::RunService::Stub::WatchRun, request, on_progress);
   } catch (Failure& failure) {
+    const bool is_under_way = run.id() != 0 && !is_over(run.state());
+    const std::string id = std::to_string(run.id());
+    if (is_under_way && failure.reason == "NO_DAEMON")
+      failure.message += "; run " + id +
+                         " goes on when it starts, or waits for `driftwise run resume " + id +
+                         "`, as [run] after_restart says";
     const bool left = failure.exit == ExitCode::interrupted || failure.reason == "TIMEOUT";
-    if (left && run.id() != 0 && !is_over(run.state())) {
-      const std::string id = std::to_string(run.id());
+    if (left && is_under_way) {
       failure.message = (failure.exit == ExitCode::interrupted ? "interrupted" : "time is up") +
                         std::string(": run ") + id +
                         " goes on; look again with `driftwise run watch " + id +

@@ -66,7 +66,7 @@ void print_plane(const Console& console, const v1::MapTargetsResponse& map,
     columns.push_back({significant(place(h, column), 4), Align::right});
   Table table(columns);
   for (int row = v.count() - 1; row >= 0; --row) {
-    std::vector<std::string> cells = {significant(place(v, row), 4)};
+    std::vector<Table::Cell> cells = {significant(place(v, row), 4)};
     for (int column = 0; column < h.count(); ++column) {
       const int at = row * h.count() + column;
       cells.push_back((corrects ? signed_fixed(values[at], 1) : fixed(values[at], 6)) +

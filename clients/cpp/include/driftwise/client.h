@@ -22,9 +22,10 @@
 namespace driftwise::client {
 
 // reason: UPPER_SNAKE and stable, see docs/api.md ("NO_MODEL", "OUTSIDE_DOMAIN"); this library adds
-// NO_DAEMON (nothing answers at the address), BAD_CREDENTIALS (files that cannot be read), TIMEOUT,
-// NO_NOTICE and BAD_NOTICE (driftwised.json), NOT_YET (a follower has heard nothing yet) and
-// EXPIRED (a follower has heard nothing for too long). message: a sentence for a person.
+// NO_DAEMON (no daemon answers at the address, or it ended meanwhile), BAD_CREDENTIALS (files that
+// cannot be read, a token with blanks inside), TIMEOUT, NO_NOTICE and BAD_NOTICE (driftwised.json),
+// NOT_YET (a follower has heard nothing yet) and EXPIRED (a follower has heard nothing for too
+// long). message: a sentence for a person.
 struct Failure {
   std::string reason, message;
 };
@@ -80,14 +81,14 @@ class TargetFollower {
 struct Credentials {
   std::filesystem::path authority;         // PEM: who signed the daemon's certificate; given: TLS
   std::filesystem::path certificate, key;  // PEM of a client certificate with a role; or
-  std::string token;                       // "dwt_..."
+  std::string token;                       // "dwt_...", also with the line's end of its file
 };
 
 class Client {
  public:
   // address: "127.0.0.1:50051". operator_name stands in the record where nobody proves anything.
-  // Connects when first asked, and again after a loss. Credentials that cannot be read: every call
-  // fails with BAD_CREDENTIALS.
+  // Connects when first asked, and again after a loss. Credentials that cannot be read or sent:
+  // every call fails with BAD_CREDENTIALS.
   explicit Client(std::string address, std::string operator_name = "controller",
                   const Credentials& credentials = {});
   ~Client();
@@ -96,11 +97,12 @@ class Client {
 
   Answer<Target> target(const Pose& pose,
                         std::chrono::milliseconds limit = std::chrono::seconds(1)) const;
-  // min_interval: wall time between two answers; 0: with every change of the conditions.
+  // min_interval: wall time between two answers; 0: with every change of the conditions. Longer
+  // than a target lives it becomes half of that: else none would be good for most of the time.
   TargetFollower follow(Pose pose, std::chrono::milliseconds min_interval = {}) const;
   // Halts every axis; a run under way is paused. A stop by software. Failure STOP_NOT_CONFIRMED: a
   // controller has not reported that nothing moves: use the emergency switch. The daemon goes on
-  // stopping it.
+  // stopping it. Every other failure: nothing was stopped, and its message begins with NOT STOPPED.
   Answer<void> stop_all(std::chrono::milliseconds limit = std::chrono::seconds(2)) const;
 
  private:

@@ -1,9 +1,13 @@
 // The examples in clients/examples do what their first lines say, built and run as a reader would.
 
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "tests/integration/cell/cell_at_work.h"
 #include "tests/integration/cell/served_model.h"
@@ -41,6 +45,72 @@ TEST(Examples, AControllerBuildsAgainstTheInstalledLibraryAndAsksForATarget) {
   const auto target = run_process({build + "/controller", cell.grpc_address(), "1.5"}, minutes(1));
   expect_done(target, "asking");
   EXPECT_THAT(target.out, testing::MatchesRegex("q1_mm 1\\.[0-9]+ u90_nm [0-9.]+\n(.|\n)*"));
+}
+
+// A text line that holds its first answer back until another client connects.
+class LateLine {
+ public:
+  LateLine() {
+    sockaddr_in here{};
+    here.sin_family = AF_INET;
+    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof here;
+    bind(listening_, reinterpret_cast<sockaddr*>(&here), size);
+    getsockname(listening_, reinterpret_cast<sockaddr*>(&here), &size);
+    port_ = ntohs(here.sin_port);
+    listen(listening_, 2);
+    thread_ = std::thread([this] { answer_late(); });
+  }
+  ~LateLine() {
+    shutdown(listening_, SHUT_RDWR);
+    thread_.join();
+    close(listening_);
+  }
+  LateLine(const LateLine&) = delete;
+  LateLine& operator=(const LateLine&) = delete;
+  int port() const { return port_; }
+
+ private:
+  void answer_late() const {
+    const int line = accept(listening_, nullptr, nullptr);
+    const int other = accept(listening_, nullptr, nullptr);
+    for (const int late : {line, other}) {
+      const std::string answer = "OK q1_mm=1 flags=-\n";
+      (void)send(late, answer.data(), answer.size(), MSG_NOSIGNAL);
+    }
+    char end = 0;
+    while (recv(line, &end, 1, 0) > 0) {  // until the client goes
+    }
+    for (const int fd : {line, other}) close(fd);
+  }
+  const int listening_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  int port_ = 0;
+  std::thread thread_;
+};
+
+// Else every further answer would belong to the question before.
+TEST(Examples, OctaveAsksNoMoreOnALineWhoseAnswerIsMissing) {
+  const std::string octave = "/usr/bin/octave-cli";
+  if (!std::filesystem::exists(octave) ||
+      run_process({octave, "--quiet", "--no-init-file", "--eval", "pkg load instrument-control"})
+              .code != 0)
+    GTEST_SKIP() << "GNU Octave with its package instrument-control is not installed (apt install "
+                    "octave octave-instrument-control)";
+  const LateLine daemon;
+  const std::string connect =
+      "tcpclient('127.0.0.1', " + std::to_string(daemon.port()) + ", 'Timeout', ";
+  const auto asked = run_process(
+      {octave, "--quiet", "--no-init-file", "--eval",
+       "addpath('" + kExamples + "/matlab'); pkg load instrument-control; line = " + connect +
+           "1); try driftwise_target(line, 'x_mm', 1); catch err, disp(err.identifier), end, "
+           "other = " +
+           connect +
+           "60); read(other, 1); "  // by now the late answer is there
+           "try a = driftwise_target(line, 'x_mm', 2); printf('%g\\n', a.q1_mm); catch err, "
+           "disp(err.identifier), end"},
+      minutes(2));
+  expect_done(asked, "octave");
+  EXPECT_EQ(asked.out, "driftwise:NO_ANSWER\ndriftwise:CONNECTION_LOST\n");
 }
 
 TEST(Examples, OctaveReadsAnExportedDatasetAndFitsWhatDriftwiseFits) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <iostream>
 
 #include "clients/cli/core/session.h"
 #include "tests/unit/cli/cli_fixture.h"
@@ -51,6 +52,28 @@ TEST(OutputFile, DoesNotTakeThePlaceOfAFileThatWasRead) {
   EXPECT_EQ(text_of(path), "measured");
   cli::write_output_file(folder.path() + "/other.csv", "new", {path, ""});
   EXPECT_EQ(text_of(folder.path() + "/other.csv"), "new");
+}
+
+// `-o /dev/stdout >> file` and `-o -`: behind what stands in the file already.
+TEST(OutputFile, AddsToWhatStandardOutputIsRedirectedTo) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() + "/results.csv";
+  std::ofstream(path) << "of yesterday\n";
+  std::cout << std::flush;
+  const int kept = ::dup(STDOUT_FILENO);
+  const int redirected = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  ::dup2(redirected, STDOUT_FILENO);
+  std::cout << "head\n";
+  std::string complaints;
+  for (const char* name : {"/dev/stdout", "-", "/proc/self/fd/1"}) complaints += complaint_of(name);
+  std::cout << "\ntail\n" << std::flush;
+  ::dup2(kept, STDOUT_FILENO);
+  ::close(kept);
+  EXPECT_EQ(complaints, "");
+  EXPECT_EQ(complaint_of("/dev/fd/" + std::to_string(redirected)), "");
+  ::close(redirected);
+  EXPECT_EQ(text_of(path), "of yesterday\nhead\nnewnewnew\ntail\nnew");
+  EXPECT_FALSE(fs::exists("-")) << "a file of that name";
 }
 
 // A file renamed over /dev/null would be the end of /dev/null.

@@ -34,5 +34,27 @@ TEST(Table, ACellOfManyCharactersStandsOutInItsOwnRow) {
             "name  value  by\na     1      ada\nb     " + std::string(300, 'x') + "  bob\n");
 }
 
+TEST(Table, PaintsACellAroundItsTextAndCountsTheTextAlone) {
+  Table table({{"verdict"}, {"value", Align::right}, {"by"}});
+  table.add({{"good", Colour::good}, {"1", Colour::warn}, ""});
+  table.add({"not declared", {"", Colour::bad}, "ada"});
+  std::ostringstream out;
+  table.print(out, Paint(true));
+  EXPECT_EQ(out.str(),
+            "\x1b[1mverdict       value  by\x1b[0m\n"
+            "\x1b[32mgood\x1b[0m              \x1b[33m1\x1b[0m\n"
+            "not declared         ada\n");
+  EXPECT_EQ(printed(table),
+            "verdict       value  by\ngood              1\nnot declared         ada\n");
+}
+
+TEST(Table, ShowsWhatATerminalWouldObeyAsText) {
+  Table table({{"note"}});
+  table.add({{"\x1b[2J", Colour::bad}});
+  std::ostringstream out;
+  table.print(out, Paint(true));
+  EXPECT_EQ(out.str().find("\x1b[2J"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace driftwise::cli
