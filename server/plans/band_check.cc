@@ -3,10 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "server/core/text/shown_text.h"
+#include "server/plans/band_poses.h"
+#include "server/plans/band_ranges.h"
 #include "server/plans/joint_target.h"
 
 namespace driftwise::plans {
@@ -16,59 +20,15 @@ using compensation::Snapshot;
 using compensation::Variable;
 using Jacobian = Eigen::MatrixXd;  // outputs by inputs, mm per request's unit
 
-// Of the grid between from and to, and between to and fade_to.
-constexpr int kAngleSteps = 16, kLengthSteps = 6;
 constexpr int kDirections = 24;  // over half a turn among two angles
 // What may lie between two points of the grid, and between two directions.
 constexpr double kBetween = 1.05;
-
-bool is_rotation(Variable variable) { return variable >= Variable::rx && variable <= Variable::rz; }
-
-struct Range {
-  double min = 0, max = 0;
-};
-
-Range range_of(const Snapshot& model, Variable variable) {
-  for (const auto& input : model.inputs)
-    if (input.variable == variable) return {input.min, input.max};
-  return {};
-}
 
 std::vector<Variable> inputs_of(const JointSnapshot::Robot& robot) {
   std::vector<Variable> out;
   for (std::size_t v = 0; v < compensation::kVariables; ++v)
     if ((robot.needed >> v & 1) != 0) out.push_back(static_cast<Variable>(v));
   return out;
-}
-
-// Positions of one input on the grid.
-std::vector<double> positions(const JointSnapshot::Robot& robot, Variable variable) {
-  for (std::size_t p = 0; p < robot.band.parts; ++p) {
-    const auto& part = robot.band.part[p];
-    if (part.coordinate != variable) continue;
-    std::vector<double> out = {part.centre};
-    const auto add = [&](double distance) {
-      if (part.side != BandSide::below) out.push_back(part.centre + distance);
-      if (part.side != BandSide::above) out.push_back(part.centre - distance);
-    };
-    // Inside, where another coordinate may be in its own band.
-    const Range inside = range_of(robot.fine, variable);
-    if (part.side == BandSide::above) out.push_back(inside.min);
-    if (part.side == BandSide::below) out.push_back(inside.max);
-    const int steps = is_rotation(variable) ? kAngleSteps : kLengthSteps;
-    for (int k = 0; k <= steps; ++k) add(part.from + (part.to - part.from) * k / steps);
-    if (robot.band.anchored)
-      for (int k = 1; k < steps; ++k) add(part.to + (part.fade_to - part.to) * k / steps);
-    return out;
-  }
-  const Range fine = range_of(robot.fine, variable), coarse = range_of(*robot.coarse, variable);
-  const bool in_fine = fine.min < fine.max, in_coarse = coarse.min < coarse.max;
-  const Range both = in_fine && in_coarse
-                         ? Range{std::max(fine.min, coarse.min), std::min(fine.max, coarse.max)}
-                     : in_fine ? fine
-                               : coarse;
-  if (variable == Variable::force || !(both.min < both.max)) return {0.5 * (both.min + both.max)};
-  return {both.min, 0.5 * (both.min + both.max), both.max};
 }
 
 template <class Give>
@@ -122,13 +82,21 @@ std::vector<Eigen::VectorXd> directions_of(const JointSnapshot::Robot& robot,
   return out;
 }
 
+// Figures of one pose.
+struct Seen {
+  double difference_nm = 0;
+  std::vector<double> share;  // of a rate, by direction
+  double determinant = std::numeric_limits<double>::infinity();
+};
+
 class Look {
  public:
-  explicit Look(const JointSnapshot::Robot& robot)
+  Look(const JointSnapshot::Robot& robot, std::int64_t most_poses)
       : robot_(robot),
         inputs_(inputs_of(robot)),
         outputs_(robot.fine.outputs.size()),
-        directions_(directions_of(robot, inputs_)) {
+        directions_(directions_of(robot, inputs_)),
+        poses_(robot, inputs_, most_poses) {
     for (const auto variable : inputs_) {
       double width = 0;
       for (std::size_t p = 0; p < robot.band.parts; ++p)
@@ -137,39 +105,90 @@ class Look {
       const Range range = range_of(*robot.coarse, variable);
       steps_.push_back(1e-4 * (width > 0 ? width : std::max(1e-3, range.max - range.min)));
     }
+    for (const auto& direction : directions_)
+      families_.push_back(static_cast<std::size_t>(
+          std::ranges::find_if(directions_,
+                               [&](const Eigen::VectorXd& other) {
+                                 return ((other.array() != 0) == (direction.array() != 0)).all();
+                               }) -
+          directions_.begin()));
+    out_.robot = robot.id;
+    out_.anchored = robot.band.anchored;
   }
 
   BandReport report() {
-    BandReport out;
-    out.robot = robot_.id;
-    out.anchored = robot_.band.anchored;
-    largest_rate_ = std::vector<double>(directions_.size(), 0.0);
-    walk([&](const Values& pose) { see_fine(pose, out); });
-    double determinant = std::numeric_limits<double>::infinity();
-    walk([&](const Values& pose) { compare(pose, out, determinant); });
-    if (square() && std::isfinite(determinant)) out.determinant_share = determinant;
-    return out;
+    look_at_models();
+    look_at_blend([](const BandReport&) { return true; });
+    climb_from_worst();
+    out_.poses = poses_.seen();
+    out_.whole_grid = poses_.is_whole();
+    return out_;
+  }
+
+  // As report().accepted(), and no pose more once one refuses.
+  bool accepted() {
+    look_at_models();
+    look_at_blend([](const BandReport& so_far) { return so_far.accepted(); });
+    if (out_.accepted()) climb_from_worst();
+    return out_.accepted();
   }
 
  private:
+  using Place = BandPoses::Place;
+  // Climbs of a figure: from so many regions.
+  static constexpr std::size_t kClimbs = 8;
+
   bool square() const { return outputs_ == inputs_.size(); }
 
-  // Poses where two models have a say: the band, and where an anchor fades out.
-  template <class Visit>
-  void walk(const Visit& visit) const {
-    std::vector<std::vector<double>> grid;
-    for (const auto variable : inputs_) grid.push_back(positions(robot_, variable));
-    std::vector<std::size_t> at(grid.size(), 0);
-    for (;;) {
-      Values pose{};
-      for (std::size_t j = 0; j < grid.size(); ++j)
-        pose[static_cast<std::size_t>(inputs_[j])] = grid[j][at[j]];
-      const double w = fine_weight(robot_.band, pose), fade = anchor_fade(robot_.band, pose);
-      if ((w > 0 && w < 1) || (w == 0 && fade > 0 && fade < 1)) visit(pose);
-      std::size_t j = 0;
-      while (j < grid.size() && ++at[j] == grid[j].size()) at[j++] = 0;
-      if (j == grid.size()) return;
-    }
+  // Largest rates of the fine model, which shares count in, and where the two are farthest apart. A
+  // largest rate that the poses miss makes the shares larger: the check errs towards refusing.
+  void look_at_models() {
+    largest_rate_ = std::vector<double>(directions_.size(), 0.0);
+    WorstPlaces apart;
+    poses_.visit([&](const Values& pose, const Place& place) {
+      if (fine_weight(robot_.band, pose) <= 0) return true;
+      const Jacobian fine = of_model(robot_.fine, pose);
+      for (std::size_t d = 0; d < directions_.size(); ++d)
+        largest_rate_[d] =
+            std::max(largest_rate_[d], (fine * directions_[d]).cwiseAbs().maxCoeff());
+      apart.add(poses_.region_of(pose), see_difference(pose), place);
+      return true;
+    });
+    if (poses_.is_whole()) return;
+    for (const auto& place : apart.first(1))
+      poses_.climb(place, [&](const Values& pose) { return see_difference(pose); });
+  }
+
+  // go_on: asked after every pose.
+  void look_at_blend(const std::function<bool(const BandReport&)>& go_on) {
+    worst_share_.clear();
+    poses_.visit([&](const Values& pose, const Place& place) {
+      const Seen seen = see_blend(pose);
+      if (!poses_.is_whole()) remember(poses_.region_of(pose), seen, place);
+      return go_on(out_);
+    });
+  }
+
+  void remember(std::size_t region, const Seen& seen, const Place& place) {
+    for (std::size_t d = 0; d < directions_.size(); ++d)
+      worst_share_[families_[d]].add(region, seen.share[d], place);
+    if (square()) worst_determinant_.add(region, -seen.determinant, place);
+  }
+
+  // The worst of the whole grid, where only a part of it was visited.
+  void climb_from_worst() {
+    if (poses_.is_whole()) return;
+    for (const auto& place : worst_determinant_.first(kClimbs))
+      poses_.climb(place, [&](const Values& pose) { return -see_blend(pose).determinant; });
+    for (const auto& [family, worst] : worst_share_)
+      for (const auto& place : worst.first(kClimbs))
+        poses_.climb(place, [&, of = family](const Values& pose) {
+          const Seen seen = see_blend(pose);
+          double largest = 0;
+          for (std::size_t d = 0; d < directions_.size(); ++d)
+            if (families_[d] == of) largest = std::max(largest, seen.share[d]);
+          return largest;
+        });
   }
 
   Jacobian of_model(const Snapshot& model, const Values& pose) const {
@@ -177,11 +196,9 @@ class Look {
                        [&](const Values& p, double* out) { model_coordinates(model, p, out); });
   }
 
-  void see_fine(const Values& pose, BandReport& out) {
-    if (fine_weight(robot_.band, pose) <= 0) return;
-    const Jacobian fine = of_model(robot_.fine, pose);
-    for (std::size_t d = 0; d < directions_.size(); ++d)
-      largest_rate_[d] = std::max(largest_rate_[d], (fine * directions_[d]).cwiseAbs().maxCoeff());
+  // Of the two models as fitted, in the output where they are farthest apart, nm.
+  double see_difference(const Values& pose) {
+    if (fine_weight(robot_.band, pose) <= 0) return 0;
     std::array<double, compensation::kMaxOutputs> a{}, b{};
     model_coordinates(robot_.fine, pose, a.data());
     model_coordinates(*robot_.coarse, pose, b.data());
@@ -192,44 +209,55 @@ class Look {
       if (std::abs(b[i] - a[i]) > std::abs(b[worst] - a[worst])) worst = i;
     }
     const double nm = std::abs(b[worst] - a[worst]) * kNmPerMm;
-    if (nm <= out.largest_difference_nm) return;
-    out.largest_difference_nm = nm;
-    out.largest_channel = channel_name(robot_.id, robot_.fine.outputs[worst].channel.name());
-    out.largest_at.clear();
+    if (nm <= out_.largest_difference_nm) return nm;
+    out_.largest_difference_nm = nm;
+    out_.largest_channel = channel_name(robot_.id, robot_.fine.outputs[worst].channel.name());
+    out_.largest_at.clear();
     for (const auto variable : inputs_)
-      out.largest_at.push_back(
+      out_.largest_at.push_back(
           {channel_name(robot_.id, variable), pose[static_cast<std::size_t>(variable)]});
-    out.difference_arcsec = 0;
-    if (!square()) return;
-    const Eigen::VectorXd moved = fine.fullPivLu().solve(apart);
+    out_.difference_arcsec = 0;
+    if (!square()) return nm;
+    const Eigen::VectorXd moved = of_model(robot_.fine, pose).fullPivLu().solve(apart);
     double squares = 0;
     for (std::size_t j = 0; j < inputs_.size(); ++j)
       if (is_rotation(inputs_[j]))
         squares += moved(static_cast<Eigen::Index>(j)) * moved(static_cast<Eigen::Index>(j));
-    out.difference_arcsec = std::sqrt(squares);
+    out_.difference_arcsec = std::sqrt(squares);
+    return nm;
   }
 
-  void compare(const Values& pose, BandReport& out, double& determinant) const {
+  Seen see_blend(const Values& pose) {
     const bool in_band = fine_weight(robot_.band, pose) > 0;
     const Jacobian reference = of_model(in_band ? robot_.fine : *robot_.coarse, pose);
     const Jacobian blended =
         jacobian_of(outputs_, inputs_, steps_, pose,
                     [&](const Values& p, double* q) { robot_coordinates(robot_, p, q); });
     const Jacobian deviation = blended - reference;
-    for (std::size_t d = 0; d < directions_.size(); ++d)
-      out.rate_share =
-          std::max(out.rate_share, kBetween * (deviation * directions_[d]).cwiseAbs().maxCoeff() /
-                                       std::max(largest_rate_[d], 1e-300));
-    if (square())
-      determinant = std::min(determinant, blended.determinant() / reference.determinant());
+    Seen seen;
+    for (std::size_t d = 0; d < directions_.size(); ++d) {
+      seen.share.push_back(kBetween * (deviation * directions_[d]).cwiseAbs().maxCoeff() /
+                           std::max(largest_rate_[d], 1e-300));
+      out_.rate_share = std::max(out_.rate_share, seen.share.back());
+    }
+    if (!square()) return seen;
+    seen.determinant = blended.determinant() / reference.determinant();
+    if (std::isfinite(seen.determinant))
+      out_.determinant_share =
+          std::min(out_.determinant_share.value_or(seen.determinant), seen.determinant);
+    return seen;
   }
 
   const JointSnapshot::Robot& robot_;
   std::vector<Variable> inputs_;
   std::size_t outputs_;
-  std::vector<double> steps_;
   std::vector<Eigen::VectorXd> directions_;
-  std::vector<double> largest_rate_;
+  std::vector<std::size_t> families_;  // of a direction: the first one among the same inputs
+  BandPoses poses_;
+  std::vector<double> steps_, largest_rate_;
+  std::map<std::size_t, WorstPlaces> worst_share_;  // by family
+  WorstPlaces worst_determinant_;
+  BandReport out_;
 };
 
 double reach_of_model(const Snapshot& model, const BandPart& part) {
@@ -271,21 +299,21 @@ std::string figure_text(double value) {
 
 }  // namespace
 
-BandReport check_band(const JointSnapshot::Robot& robot) {
-  BandReport report = Look(robot).report();
+BandReport check_band(const JointSnapshot::Robot& robot, std::int64_t most_poses) {
+  BandReport report = Look(robot, most_poses).report();
   if (report.accepted() || robot.band.parts == 0) return report;
   for (const double times : {1.25, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0}) {
     auto wider = robot;
     wider.band.anchored = false;
     if (!widen(wider, times)) break;
-    if (!Look(wider).report().accepted()) continue;
+    if (!Look(wider, most_poses).accepted()) continue;
     report.wider_to = wider.band.part[0].to;
     break;
   }
   for (const double times : {1.0, 2.0, 4.0, 8.0, 16.0, 24.0, 32.0, 48.0, 64.0}) {
     auto anchored = robot;
     if (!fade_by(anchored, times)) break;
-    if (!Look(anchored).report().accepted()) continue;
+    if (!Look(anchored, most_poses).accepted()) continue;
     report.anchored_fade_to = anchored.band.part[0].fade_to;
     break;
   }
@@ -308,6 +336,8 @@ std::string sentence_of(const BandReport& report) {
   if (report.determinant_share)
     out += ", and the Jacobian's determinant would keep " + figure_text(*report.determinant_share) +
            " of its size, more than " + figure_text(kLeastDeterminantShare) + " is accepted";
+  out += " (looked at " + std::to_string(report.poses) + " poses" +
+         (report.whole_grid ? ")" : ", a part of the grid and the worst places found on it)");
   if (report.accepted()) return out;
   if (report.anchored_fade_to)
     out += "; accepted would be: anchored = true with fade_to = " +

@@ -9,7 +9,13 @@
 // coordinates as inputs. Both are looked at on a grid over the band, at the ends and the middle of
 // every other input's fitted range, under the snapshot's conditions. The share of a rate has 5 % on
 // top for what lies between the grid's points.
+//
+// A grid of more than most_poses (three angles and more) is not visited whole: a coarser one is,
+// and the figures climb on the whole grid from the worst places of each region (band_poses.h). The
+// time is then that of most_poses, whatever the number of coordinates. A summit that no climb
+// reaches is missed; the report says that a part was looked at.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +29,8 @@ constexpr double kMostRateShare = 0.5, kLeastDeterminantShare = 0.5;
 // How far beyond its fitted range the fine model may be asked within a band: the study blends from
 // 300 to 350 arcsec a model fitted to 300.
 constexpr double kMostExtrapolation = 1.25;
+// Of one look; a refused band is looked at up to 20 times, until the first pose that refuses.
+constexpr std::int64_t kMostPoses = 100'000;
 
 struct BandReport {
   std::string robot;
@@ -36,6 +44,8 @@ struct BandReport {
   // Of the first entry of the band, in the request's unit; each found by trying. none: not needed,
   // or no width within the models' domains does.
   std::optional<double> wider_to, anchored_fade_to;
+  std::int64_t poses = 0;  // looked at
+  bool whole_grid = true;  // false: a coarser grid, and climbs from the worst places of it
 
   bool accepted() const {
     return rate_share < kMostRateShare &&
@@ -44,7 +54,7 @@ struct BandReport {
 };
 
 // robot: with a coarse model. Looks for what would be accepted where the band as it is is not.
-BandReport check_band(const JointSnapshot::Robot& robot);
+BandReport check_band(const JointSnapshot::Robot& robot, std::int64_t most_poses = kMostPoses);
 
 // "the models differ by 57.6 um of ma.q2_mm (200 arcsec) at ma.rx_arcsec = 340, ...".
 std::string sentence_of(const BandReport& report);

@@ -6,10 +6,12 @@
 #include <atomic>
 #include <boost/asio/post.hpp>
 #include <chrono>
+#include <optional>
 
 #include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/core/reasons.h"
+#include "server/core/records/state_text.h"
 #include "server/core/try.h"
 #include "server/diagnosis/diagnose.h"
 #include "server/diagnosis/rows/catalogue_units.h"
@@ -22,6 +24,7 @@ namespace {
 
 using WallClock = std::chrono::steady_clock;
 constexpr auto kTellEvery = std::chrono::milliseconds(50);
+constexpr double kStoreAgain_s = 5;  // of cell time
 constexpr const char* kDaemonEnds = "the daemon was stopped while it ran";
 
 std::string names_of(const diagnosis::Diagnosis& found) {
@@ -91,16 +94,23 @@ std::string outcome_sentence(DiagnosisId id, const diagnosis::Diagnosis& found) 
 }
 
 struct DiagnosisDesk::Job {
-  Job(DiagnosisId number, const asio::any_io_executor& executor) : id(number), ended(executor) {
+  Job(DiagnosisId number, const asio::any_io_executor& executor) : id(number), changed(executor) {
     progress.id = number;
     progress.step = "waiting for its turn";
   }
   const DiagnosisId id;
   std::atomic<bool> stop{false};  // shared with the worker; everything else is the executor's
   bool over = false;              // how it ends is decided, and
-  bool stored = false;            // on disk, or the disk refuses it
+  bool closed = false;            // on disk, or the daemon ends before the disk takes it
+  std::optional<Error> refused;   // why the end is not on disk yet
   DiagnosisProgress progress;
-  Signal ended;
+  Signal changed;
+};
+
+// How one ends, and the event that says so once it is on disk. No event: it is recorded already.
+struct DiagnosisDesk::Ending {
+  DiagnosisEnd how;
+  std::string event = {}, sentence = {};
 };
 
 DiagnosisDesk::DiagnosisDesk(asio::any_io_executor executor, asio::any_io_executor worker,
@@ -166,40 +176,94 @@ Awaitable<void> DiagnosisDesk::carry_out(std::shared_ptr<Job> job,
   auto found = co_await run_on(
       worker_, [](const std::function<Result<Outcome>()>& run) { return run(); }, std::move(work));
   if (!job->over) {
-    DiagnosisEnd how;
-    std::string told;
+    Ending last;
+    last.event = found ? "diagnosis.done" : "diagnosis.failed";
     if (found) {
-      how = std::move(found->end);
-      told = std::move(found->sentence);
+      last.how = std::move(found->end);
+      last.sentence = std::move(found->sentence);
     } else {
-      how.state = JobState::failed;
-      how.reason = found.error().message;
-      told = fmt::format("diagnosis {} failed: {}", job->id.value, how.reason);
+      last.how.state = JobState::failed;
+      last.how.reason = found.error().message;
+      last.sentence = fmt::format("diagnosis {} failed: {}", job->id.value, last.how.reason);
     }
-    const char* what = found ? "diagnosis.done" : "diagnosis.failed";
-    auto ending = end(job, std::move(how));
-    if (co_await std::move(ending)) events_.record_own(what, std::move(told));
+    auto ending = end(job, std::move(last));
+    static_cast<void>(co_await std::move(ending));
   }
+  while (!job->closed) co_await job->changed.wait();
   jobs_.erase(job->id);
 }
 
-// The first end stands: a cancelled one is over before its thread has noticed.
-Awaitable<Result<void>> DiagnosisDesk::end(std::shared_ptr<Job> job, DiagnosisEnd how) {
+// The first end stands: a cancelled one is over before its thread has noticed. One try to store it,
+// for whoever waits for the answer; what the disk refuses is tried again on the side.
+Awaitable<Result<void>> DiagnosisDesk::end(std::shared_ptr<Job> job, Ending last) {
   if (job->over)
     co_return fail(ErrorCode::failed_precondition, reasons::kAlreadyOver, "the diagnosis is over");
   job->over = true;
-  how.at = clock_.now().utc;
-  job->progress.state = how.state;
-  job->progress.step = how.state == JobState::done ? "done" : how.reason;
-  if (how.state == JobState::done) job->progress.fraction = 1;
-  auto stored = co_await writer_.diagnoses().end_diagnosis(job->id, how);
-  if (!stored)  // a full disk: the start after this one finds it unfinished
-    events_.record_own("diagnosis.failed", fmt::format("diagnosis {} could not be stored: {}",
-                                                       job->id.value, stored.error().message));
-  job->stored = true;
+  last.how.at = clock_.now().utc;
+  auto stored = co_await writer_.diagnoses().end_diagnosis(job->id, last.how);
+  if (stored || ending_) {
+    close(*job, last, stored.has_value());
+    co_return stored;
+  }
+  job->refused = stored.error();
+  events_.record_own("diagnosis.trouble", waits_to_be_stored(*job, last));
+  job->progress.step =
+      fmt::format("{}: waiting until the database takes it", is_text(last.how.state));
   watchers_.publish(job->progress);
-  job->ended.raise();
+  tasks_.spawn(store_later(std::move(job), std::move(last)));
   co_return stored;
+}
+
+// The record is not over before its end is on it: who waits for a diagnosis reads the record.
+Awaitable<void> DiagnosisDesk::store_later(std::shared_ptr<Job> job, Ending last) {
+  for (bool is_stored = false; !is_stored && !ending_;) {
+    if (job->refused->code != ErrorCode::resource_exhausted && last.how.state == JobState::done)
+      last = not_storable(*job);  // waiting changes nothing: the record says that at least
+    else
+      co_await sleep_until_due(*job);
+    const auto stored = co_await writer_.diagnoses().end_diagnosis(job->id, last.how);
+    is_stored = stored || stored.error().reason == reasons::kAlreadyOver;
+    if (is_stored)
+      job->refused.reset();
+    else
+      job->refused = stored.error();
+  }
+  close(*job, last, !job->refused);
+}
+
+Awaitable<void> DiagnosisDesk::sleep_until_due(Job& job) {
+  const auto due = clock_.now().utc + nanoseconds_from_s(kStoreAgain_s);
+  while (clock_.now().utc < due && !ending_) co_await sleep_unless(clock_, due, job.changed);
+}
+
+DiagnosisDesk::Ending DiagnosisDesk::not_storable(const Job& job) const {
+  Ending last;
+  last.how.at = clock_.now().utc;
+  last.how.state = JobState::failed;
+  last.how.reason = "what it found could not be stored: " + job.refused->message;
+  last.event = "diagnosis.failed";
+  last.sentence = fmt::format("diagnosis {} failed: {}", job.id.value, last.how.reason);
+  return last;
+}
+
+std::string DiagnosisDesk::waits_to_be_stored(const Job& job, const Ending& last) {
+  return fmt::format(
+      "diagnosis {} {}, but the database does not take it: {}. It is tried again every {:g} s "
+      "until the database does, or the daemon ends",
+      job.id.value, is_text(last.how.state), job.refused->message, kStoreAgain_s);
+}
+
+// stored: false where the daemon ends before; the start after this one finds it unfinished.
+void DiagnosisDesk::close(Job& job, const Ending& last, bool stored) {
+  job.closed = true;
+  job.progress.state = stored ? last.how.state : JobState::failed;
+  job.progress.step = !stored                            ? kDaemonEnds
+                      : last.how.state == JobState::done ? "done"
+                                                         : last.how.reason;
+  if (job.progress.state == JobState::done) job.progress.fraction = 1;
+  if (stored && !last.event.empty()) events_.record_own(last.event, last.sentence);
+  watchers_.publish(job.progress);
+  job.changed.raise();
 }
 
 void DiagnosisDesk::heard(Job& job, double fraction, const std::string& step) {
@@ -211,15 +275,21 @@ void DiagnosisDesk::heard(Job& job, double fraction, const std::string& step) {
 
 Awaitable<Result<void>> DiagnosisDesk::cancel(const Caller& caller, DiagnosisId id) {
   const auto found = jobs_.find(id);
-  if (found == jobs_.end() || found->second->over) co_return Result<void>{};
+  if (found == jobs_.end()) co_return Result<void>{};
   const auto job = found->second;
+  if (job->over && job->refused)
+    co_return fail(job->refused->code, job->refused->reason,
+                   fmt::format("diagnosis {} is over and nothing is left to cancel, but the "
+                               "database does not take its end: {}. It is tried again by itself",
+                               id.value, job->refused->message));
+  if (job->over) co_return Result<void>{};
   job->stop = true;
-  DiagnosisEnd how;
-  how.state = JobState::cancelled;
-  how.reason = fmt::format("cancelled by {}", caller.name);
+  Ending last;
+  last.how.state = JobState::cancelled;
+  last.how.reason = fmt::format("cancelled by {}", caller.name);
   events_.record(caller, "diagnosis.cancelled",
                  fmt::format("{} cancelled diagnosis {}", caller.name, id.value));
-  auto ending = end(job, std::move(how));
+  auto ending = end(job, std::move(last));
   co_return co_await std::move(ending);
 }
 
@@ -227,7 +297,7 @@ Awaitable<void> DiagnosisDesk::over(DiagnosisId id) {
   const auto found = jobs_.find(id);
   if (found == jobs_.end()) co_return;
   const auto job = found->second;
-  while (!job->stored) co_await job->ended.wait();
+  while (!job->closed) co_await job->changed.wait();
 }
 
 void DiagnosisDesk::tell_present(const std::function<void(const DiagnosisProgress&)>& to) const {
@@ -238,15 +308,15 @@ void DiagnosisDesk::shut_down() {
   ending_ = true;
   for (const auto& [id, job] : jobs_) {
     job->stop = true;
+    job->changed.raise();  // an end that waits for the disk is tried once more
     if (job->over) continue;
-    DiagnosisEnd how;
-    how.state = JobState::failed;
-    how.reason = kDaemonEnds;
-    tasks_.spawn(
-        [](DiagnosisDesk& desk, std::shared_ptr<Job> one, DiagnosisEnd last) -> Awaitable<void> {
-          auto ending = desk.end(one, std::move(last));
-          static_cast<void>(co_await std::move(ending));
-        }(*this, job, std::move(how)));
+    Ending last;
+    last.how.state = JobState::failed;
+    last.how.reason = kDaemonEnds;
+    tasks_.spawn([](DiagnosisDesk& desk, std::shared_ptr<Job> one, Ending how) -> Awaitable<void> {
+      auto ending = desk.end(one, std::move(how));
+      static_cast<void>(co_await std::move(ending));
+    }(*this, job, std::move(last)));
   }
 }
 

@@ -4,6 +4,8 @@
 //
 // A cancelled one is over at once, on record and for its watchers, whatever its thread still does:
 // the search looks at its flag every 100 ms at least, and what it says after that is not heard.
+// An end that the database does not take (a full disk) is tried again until it does or the daemon
+// ends; until then the diagnosis is under way, and says what it waits for.
 // Executor's thread; a job's step and flag are what the worker shares with it.
 
 #include <boost/asio/any_io_executor.hpp>
@@ -37,9 +39,10 @@ class DiagnosisDesk {
                                            std::shared_ptr<const Dataset> dataset,
                                            diagnosis::DiagnoseOptions options,
                                            std::string robot = {});
-  // Does nothing to one that is over.
+  // Does nothing to one that is over. Errors: of the database that does not take an end; it is
+  // tried again by itself.
   Awaitable<Result<void>> cancel(const Caller& caller, DiagnosisId id);
-  // Resumes when it is over, at once when it is not under way.
+  // Resumes when its end is on record or the daemon ends, at once when it is not under way.
   Awaitable<void> over(DiagnosisId id);
 
   // Where those under way stand.
@@ -52,7 +55,13 @@ class DiagnosisDesk {
   struct Job;
   Awaitable<void> carry_out(std::shared_ptr<Job> job, std::shared_ptr<const Dataset> dataset,
                             diagnosis::DiagnoseOptions options, formats::RobotNames names);
-  Awaitable<Result<void>> end(std::shared_ptr<Job> job, DiagnosisEnd end);
+  struct Ending;
+  Awaitable<Result<void>> end(std::shared_ptr<Job> job, Ending last);
+  Awaitable<void> store_later(std::shared_ptr<Job> job, Ending last);
+  Awaitable<void> sleep_until_due(Job& job);
+  Ending not_storable(const Job& job) const;
+  static std::string waits_to_be_stored(const Job& job, const Ending& last);
+  void close(Job& job, const Ending& last, bool stored);
   void heard(Job& job, double fraction, const std::string& step);
 
   asio::any_io_executor executor_, worker_;

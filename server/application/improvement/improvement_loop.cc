@@ -251,7 +251,8 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   auto view = co_await services_.diagnoses.get(created.record.id);
   while (view && view->record.state == JobState::running && !stopping_) {
     renew_lease();
-    if (!over) co_await sleep_unless(clock_, next_renewal(), wake_);
+    // Said once, looked at once: a record that is behind what was said is no reason to spin.
+    if (!std::exchange(over, false)) co_await sleep_unless(clock_, next_renewal(), wake_);
     view = co_await services_.diagnoses.get(created.record.id);
   }
   diagnosis_.reset();
@@ -324,11 +325,6 @@ Awaitable<std::vector<int>> ImprovementLoop::acceptable(const DiagnosisView& vie
                                                         std::vector<int> findings) {
   std::vector<int> kept;
   for (const int number : findings) {
-    const auto& finding = view.found->findings[static_cast<std::size_t>(number - 1)];
-    if (finding.applies_to == effects::AppliesTo::robot) {
-      kept.push_back(number);
-      continue;
-    }
     AcceptRequest alone;
     alone.diagnosis = view.record.id;
     alone.findings = {number};

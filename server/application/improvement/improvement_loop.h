@@ -8,8 +8,9 @@
 // A set that cannot be told apart gets the separating measurement that the diagnosis proposes, once
 // per set; where there is none, the set stays as it is and the reason says so. An extension whose
 // gain the fresh points do not show is undone and ends the loop. One that they have not judged when
-// the loop ends is undone too: nothing unproved stays in force. A correction that no instrument
-// can need is left out (instrument_agreement.h). It ends well when nothing beyond noise is left,
+// the loop ends is undone too: nothing unproved stays in force. A finding that would be refused by
+// itself (a term that no target can have, a correction that no instrument can need) is left out. It
+// ends well when nothing beyond noise is left,
 // when what is left is in no catalogue, after the last turn, or when the budget of time does not
 // hold another measurement.
 //

@@ -10,11 +10,21 @@
 
 namespace driftwise::application {
 
+namespace {
+
+constexpr double kEndAgain_s = 5;  // of cell time
+
+}  // namespace
+
 struct Improver::Active {
+  explicit Active(const asio::any_io_executor& executor) : changed(executor) {}
   ImprovementRecord record;
   ImprovementProgress progress;
   std::unique_ptr<ImprovementLoop> loop;
-  bool over = false;  // how it ends is decided
+  bool over = false;    // how it ends is decided
+  bool closed = false;  // and on disk, or the daemon ends before the disk takes it
+  std::string refused;  // why the end is not on disk yet
+  Signal changed;
 };
 
 Improver::Improver(asio::any_io_executor executor, ImprovementServices services, Clock& clock,
@@ -56,7 +66,7 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
   events_.record(
       caller, "improvement.started",
       fmt::format("{} began improvement {}: {}", caller.name, stored->id.value, stored->formula));
-  auto active = std::make_shared<Active>();
+  auto active = std::make_shared<Active>(executor_);
   active->record = *stored;
   active->progress.id = stored->id;
   active->progress.step = "beginning";
@@ -85,6 +95,7 @@ Awaitable<void> Improver::carry_out(std::shared_ptr<Active> active) {
     auto ending = end(active, reason ? JobState::done : JobState::failed, std::move(text));
     static_cast<void>(co_await std::move(ending));
   }
+  while (!active->closed) co_await active->changed.wait();
   if (active_ == active) active_.reset();
 }
 
@@ -93,20 +104,61 @@ Awaitable<Result<void>> Improver::end(std::shared_ptr<Active> active, JobState s
   auto withdrawing = active->loop->withdraw();
   const std::string withdrawn = co_await std::move(withdrawing);
   if (!withdrawn.empty()) reason += "; " + withdrawn;
-  auto stored = co_await writer_.improvements().end_improvement(active->record.id, state, reason,
-                                                                clock_.now().utc);
-  auto detail = fmt::format("improvement {} {}: {}", active->record.id.value, is_text(state),
-                            stored ? reason : stored.error().message);
-  events_.record_own(fmt::format("improvement.{}", to_string(state)), std::move(detail));
-  active->progress.state = state;
   active->progress.step = reason;
+  const CellTime at = clock_.now().utc;
+  auto stored =
+      co_await writer_.improvements().end_improvement(active->record.id, state, reason, at);
+  if (stored || ending_) {
+    close(*active, state, stored ? std::string() : stored.error().message);
+    co_return stored;
+  }
+  active->refused = stored.error().message;
+  events_.record_own(
+      "improvement.trouble",
+      fmt::format("improvement {} {}, but the database does not take it: {}. It is tried again "
+                  "every {:g} s until the database does, or the daemon ends",
+                  active->record.id.value, is_text(state), active->refused, kEndAgain_s));
   watchers_.publish(active->progress);
+  tasks_.spawn(store_later(std::move(active), state, std::move(reason), at));
   co_return stored;
+}
+
+// The record says 'running' until then, and whoever waits for the improvement reads the record.
+Awaitable<void> Improver::store_later(std::shared_ptr<Active> active, JobState state,
+                                      std::string reason, CellTime at) {
+  while (!active->refused.empty()) {
+    const auto due = clock_.now().utc + nanoseconds_from_s(kEndAgain_s);
+    while (clock_.now().utc < due && !ending_) co_await sleep_unless(clock_, due, active->changed);
+    const auto stored =
+        co_await writer_.improvements().end_improvement(active->record.id, state, reason, at);
+    const bool is_stored = stored || stored.error().reason == reasons::kAlreadyOver;
+    active->refused = is_stored ? std::string() : stored.error().message;
+    if (ending_) break;
+  }
+  close(*active, state, active->refused);
+}
+
+// refused: why the database does not have it where the daemon ends before; the start after this one
+// finds it unfinished.
+void Improver::close(Active& active, JobState state, const std::string& refused) {
+  active.closed = true;
+  active.progress.state = state;
+  events_.record_own(fmt::format("improvement.{}", to_string(state)),
+                     fmt::format("improvement {} {}: {}", active.record.id.value, is_text(state),
+                                 refused.empty() ? active.progress.step : refused));
+  watchers_.publish(active.progress);
+  active.changed.raise();
 }
 
 Awaitable<Result<void>> Improver::cancel(Caller caller, ImprovementId id) {
   const auto active = active_;
-  if (!active || active->record.id != id || active->over) co_return Result<void>{};
+  if (!active || active->record.id != id) co_return Result<void>{};
+  if (active->over && !active->refused.empty())
+    co_return fail(ErrorCode::resource_exhausted, reasons::kDiskFull,
+                   fmt::format("improvement {} is over and nothing is left to cancel, but the "
+                               "database does not take its end: {}. It is tried again by itself",
+                               id.value, active->refused));
+  if (active->over) co_return Result<void>{};
   auto stopping =
       stop_and_end(active, false, JobState::cancelled, fmt::format("cancelled by {}", caller.name));
   co_return co_await std::move(stopping);
@@ -133,6 +185,7 @@ void Improver::tell_present(const std::function<void(const ImprovementProgress&)
 void Improver::shut_down() {
   ending_ = true;
   if (!active_) return;
+  active_->changed.raise();  // an end that waits for the disk is tried once more
   tasks_.spawn(stop(active_, "the daemon was stopped while it ran; its runs stay"));
 }
 

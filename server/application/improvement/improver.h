@@ -42,7 +42,12 @@ class Improver {
  private:
   struct Active;
   Awaitable<void> carry_out(std::shared_ptr<Active> active);
+  // One try to store it, for whoever waits for the answer; what the database refuses is tried again
+  // until it is taken or the daemon ends, and until then the improvement is under way.
   Awaitable<Result<void>> end(std::shared_ptr<Active> active, JobState state, std::string reason);
+  Awaitable<void> store_later(std::shared_ptr<Active> active, JobState state, std::string reason,
+                              CellTime at);
+  void close(Active& active, JobState state, const std::string& refused);
   // The loop first: the robot halts before anything is written.
   Awaitable<Result<void>> stop_and_end(std::shared_ptr<Active> active, bool leave_run,
                                        JobState state, std::string reason);

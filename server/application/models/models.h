@@ -17,7 +17,10 @@
 
 namespace driftwise::application {
 
-// Residuals of a model on the rows of a dataset.
+// Residuals of a model on the rows of a dataset. Rows of a run that it was fitted to are in the
+// datum that they had in the fit, whichever runs are asked for. Rows of another run count from the
+// values of their zero, as the check standard has them (diagnosis/check/check_errors.h): what the
+// model says of the way from there. Rows of a text are counted as a fit of that text would.
 struct ModelResiduals {
   struct Output {
     Channel channel;               // q1_mm
@@ -29,6 +32,9 @@ struct ModelResiduals {
   std::string dataset_hash;
   std::vector<std::string> sets;  // Datasets::set_names
   bool same_rows = false;         // the very dataset that the model was fitted to
+  // Runs that the model was not fitted to and of which a zero is not known: the mean of the rows of
+  // each of their datums is taken out, as a fit would do.
+  std::vector<RunId> mean_taken_out = {};
 };
 
 class Models {

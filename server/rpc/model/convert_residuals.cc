@@ -99,6 +99,7 @@ v1::ListResidualsResponse residuals_from(const application::ModelResiduals& resi
   out.set_row_step(static_cast<std::int64_t>(step));
   out.set_dataset_hash(residuals.dataset_hash);
   out.set_same_rows(residuals.same_rows);
+  for (const RunId run : residuals.mean_taken_out) out.add_runs_without_zero(run.value);
   return out;
 }
 

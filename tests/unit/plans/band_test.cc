@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <random>
 
+#include "server/compensation/snapshot_builder.h"
 #include "server/plans/band_check.h"
 #include "server/plans/joint_target.h"
 #include "tests/unit/plans/two_robots.h"
@@ -297,6 +298,89 @@ TEST(Blend, OfTheSameModelsIsAcceptedWithTheWiderBandWhereTheFineModelReachesFar
   seen.print("200 arcsec apart, wider band");
   EXPECT_LT(seen.rate_share, 0.5);
   EXPECT_GT(seen.determinant_share, 0.5);
+}
+
+// Six coordinates and six motors, each a little of everything; the coarse model is off by a random
+// polynomial of the second degree, bend_mm at the ends of its range.
+JointSnapshot::Robot blended_in(std::size_t parts, unsigned seed, double bend_mm) {
+  constexpr Variable kCoordinates[] = {Variable::x,  Variable::y,  Variable::z,
+                                       Variable::rx, Variable::ry, Variable::rz};
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<> off(-1, 1);
+  const auto half = [](std::size_t c) { return c < 3 ? 1.0 : 100.0; };
+  const auto name = [&](std::size_t c) { return compensation::channel_of(kCoordinates[c]).symbol; };
+  const auto model = [&](double times, double bend) {
+    calibration::Model made;
+    for (std::size_t o = 0; o < 6; ++o) {
+      calibration::OutputModel q;
+      q.channel = {"q" + std::to_string(o + 1), "mm"};
+      std::vector<double> coefficients;
+      for (std::size_t c = 0; c < 6; ++c) {
+        q.terms.push_back({{effects::Power{name(c)}}});
+        coefficients.push_back((o == c ? 1 : 0.01) / half(c));
+      }
+      for (std::size_t a = 0; a < 6; ++a)
+        for (std::size_t b = a; b < 6; ++b) {
+          q.terms.push_back(
+              a == b ? effects::Term{{effects::Power{name(a), 2}}}
+                     : effects::Term{{effects::Power{name(a)}, {effects::Power{name(b)}}}});
+          coefficients.push_back(bend * off(random) / half(a) / half(b));
+        }
+      const auto n = static_cast<Eigen::Index>(coefficients.size());
+      q.coefficients = Eigen::Map<Eigen::VectorXd>(coefficients.data(), n);
+      q.covariance = Eigen::MatrixXd::Identity(n, n) * 1e-12;
+      q.dof = 100;
+      q.accuracy.rmse = 1e-5;
+      made.outputs.push_back(std::move(q));
+    }
+    for (std::size_t c = 0; c < 6; ++c)
+      made.domain.push_back(
+          {compensation::channel_of(kCoordinates[c]), -times * half(c), times * half(c)});
+    return made;
+  };
+  const auto snapshot_of = [](const calibration::Model& of) {
+    auto builder = compensation::SnapshotBuilder::create(of, ModelId{1}, CellDescription{});
+    if (!builder) throw std::runtime_error(builder.error().message);
+    builder->keep_model_datum();
+    return builder->build(CellTime{1'000'000'000'000});
+  };
+  JointSnapshot::Robot robot;
+  robot.fine = snapshot_of(model(1, 0));
+  robot.coarse = snapshot_of(model(4, bend_mm));
+  robot.needed = robot.fine.needed;
+  robot.same_terms = true;
+  robot.band.parts = parts;
+  for (std::size_t p = 0; p < parts; ++p)
+    robot.band.part[p] = {kCoordinates[p], 0.6 * half(p), 0.9 * half(p), 0.9 * half(p), 0,
+                          BandSide::both};
+  return robot;
+}
+
+TEST(BandPart, OfTheGridFindsTheWorstOfTheWhole) {
+  for (const unsigned seed : {1u, 2u}) {
+    const auto robot = blended_in(2, seed, 0.01);
+    const auto whole = check_band(robot), part = check_band(robot, 3000);
+    EXPECT_TRUE(whole.whole_grid);
+    EXPECT_FALSE(part.whole_grid);
+    EXPECT_LE(part.poses, 3000);
+    EXPECT_GT(whole.poses, 3 * part.poses);
+    // The fine model is straight here, so that both count in the same largest rates.
+    EXPECT_NEAR(part.rate_share, whole.rate_share, 0.01 * whole.rate_share) << seed;
+    EXPECT_NEAR(*part.determinant_share, *whole.determinant_share, 0.005) << seed;
+    EXPECT_NEAR(part.largest_difference_nm, whole.largest_difference_nm,
+                0.02 * whole.largest_difference_nm);
+  }
+}
+
+TEST(BandPart, OfSixCoordinatesIsLookedAtWithinTheNumberOfPosesAndSaysSo) {
+  constexpr std::int64_t kFew = 8000;  // kMostPoses in a test of a second
+  const auto agree = check_band(blended_in(6, 1, 1e-4), kFew);
+  EXPECT_TRUE(agree.accepted()) << sentence_of(agree);
+  EXPECT_LE(agree.poses, kFew);
+  EXPECT_THAT(sentence_of(agree), HasSubstr("a part of the grid"));
+  const auto apart = check_band(blended_in(6, 1, 0.2), kFew);
+  EXPECT_FALSE(apart.accepted()) << sentence_of(apart);
+  EXPECT_LE(apart.poses, kFew);
 }
 
 }  // namespace

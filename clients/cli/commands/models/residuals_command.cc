@@ -103,6 +103,9 @@ void print_summary(const Console& console, const v1::ListResidualsResponse& resi
   if (residuals.row_step() > 1)
     console.err << "every " << residuals.row_step() << "th of " << residuals.row_count()
                 << " rows\n";
+  for (const std::int64_t run : residuals.runs_without_zero())
+    console.err << "run " << run
+                << ": its zero is not known, the mean of its errors is taken out\n";
   if (!residuals.same_rows())
     console.err << "not the very rows that the model was fitted to: rows were excluded or put back "
                    "since, or these are others. So no errors of held-out rows are shown: they are "

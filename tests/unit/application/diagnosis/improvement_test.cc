@@ -366,6 +366,30 @@ TEST_F(ImpossibleLaserTest, IsLeftOutAndTheRestIsAccepted) {
   EXPECT_THAT(record.reason, HasSubstr("126 ppm/h")) << "the last turn has nothing else";
 }
 
+// A search that also names a cycle of a motor, which no target can follow.
+class UnservableFindingTest : public ImprovementTest {
+ protected:
+  UnservableFindingTest()
+      : ImprovementTest([](const Dataset& data, const dx::DiagnoseOptions& options) {
+          auto found = looks_for_a_bend(data, options);
+          if (found)
+            found->findings.push_back(finding_of("cyclic_error", "q1", effects::AppliesTo::robot,
+                                                 {"sin(q1, 93000 nm)"}, {1e-5}));
+          return found;
+        }) {}
+};
+TEST_F(UnservableFindingTest, IsLeftOutAndTheRestIsAccepted) {
+  const auto record = finished(begin()->id);
+  EXPECT_EQ(record.state, JobState::done) << record.reason;
+  EXPECT_THAT(record.turns[0].what, HasSubstr("not accepted: finding 2 (cyclic_error q1)"));
+  EXPECT_THAT(record.turns[0].what, HasSubstr("geometry_order x"));
+  ASSERT_TRUE(record.turns[0].model);
+  EXPECT_EQ(formats::read_model_json(d.cell.await(d.cell->models.get(*record.turns[0].model))->json)
+                ->formula,
+            "q ~ x + x^2");
+  EXPECT_THAT(record.reason, HasSubstr("it cannot be served")) << "the last turn has nothing else";
+}
+
 // A search that also names a probe that sticks: no model, correction or row changes for it.
 class StickingProbeTest : public ImprovementTest {
  protected:

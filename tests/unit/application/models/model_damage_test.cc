@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "server/application/queue/queue.h"
 #include "server/compensation/target.h"
 #include "server/formats/model/model_json.h"
 #include "storage/sqlite/database.h"
@@ -112,6 +113,94 @@ TEST_F(ModelDamage, AnUndamagedModelServesAgainAfterARestart) {
   ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model.id, true)));
   restart_after("SELECT 1 WHERE 0");
   EXPECT_EQ(cell->status().serving, model.id);
+}
+
+// A run of the queue that moves by a model, interrupted by the end of the daemon.
+class RunByDamagedModel : public ModelDamage {
+ protected:
+  void interrupt() {
+    const auto first = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
+    cell->finish_run();
+    application::QueueDraft draft;
+    draft.name = "night";
+    draft.trajectory_name = "night.csv";
+    draft.trajectory_text = "x_mm\n1\n2\n-1\n-2\n3\n1\n2\n-1\n-2\n3\n";
+    draft.compensate = true;
+    draft.compensate_with = fit(first.id, "q1 ~ x").id;
+    ASSERT_TRUE((*cell)->manual.give_up_lease(cell->ada, cell->lease()));
+    entry = cell->await((*cell)->queue.add(cell->ada, draft))->entry.id;
+    cell->until([&] {
+      return cell->status().run && cell->status().run->run.id == run &&
+             cell->status().run->run.accepted == 3;
+    });
+    restart_after(kDamage);
+  }
+  RunRecord now() { return *cell->await((*cell)->runs.get(run)); }
+
+  const RunId run{2};
+  QueueEntryId entry;
+  const std::string kDamage =
+      "UPDATE model SET json = replace(json, '\"p_enter\":0.05', '\"p_enter\":0.06')";
+  const std::string kMended =
+      "UPDATE model SET json = replace(json, '\"p_enter\":0.06', '\"p_enter\":0.05')";
+};
+
+TEST_F(RunByDamagedModel, StandsWithTheReasonAndCanBeAborted) {
+  interrupt();
+  ASSERT_TRUE(cell->status().run);
+  EXPECT_EQ(now().state, RunState::waiting);
+  EXPECT_EQ(now().hold.kind, RunHold::Kind::trouble);
+  EXPECT_THAT(now().reason, HasSubstr("run 2 cannot be continued: model 1"));
+  const int moves = world.moves;
+  cell->pass(600);
+  EXPECT_EQ(world.moves, moves);
+  EXPECT_THAT(alarms("run.waiting"), SizeIs(1));
+  const auto aborted = cell->await((*cell)->runs.abort(cell->ada, run, ""));
+  ASSERT_TRUE(aborted) << aborted.error().message;
+  cell->pass(10);
+  EXPECT_EQ(now().state, RunState::aborted);
+  EXPECT_EQ(now().accepted, 3);
+  EXPECT_EQ((*cell)->queue.get(entry)->entry.state, QueueState::waiting) << "back in the queue";
+}
+
+TEST_F(RunByDamagedModel, GoesOnWhenThatIsMendedAndAPersonResumesIt) {
+  interrupt();
+  const auto in_vain = cell->resume();
+  ASSERT_TRUE(in_vain) << in_vain.error().message;
+  cell->pass(10);
+  EXPECT_EQ(now().state, RunState::waiting) << "it is read again, and still damaged";
+  EXPECT_EQ(now().hold.kind, RunHold::Kind::trouble);
+  storage::Database(path, SQLITE_OPEN_READWRITE, "").execute(kMended);
+  ASSERT_TRUE(cell->resume());
+  const auto ended = cell->finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  EXPECT_EQ(ended.id, run);
+  EXPECT_EQ(ended.accepted, 10);
+}
+
+TEST_F(RunByDamagedModel, GoesOnByItselfWithTheNextStartAfterThatIsMended) {
+  interrupt();
+  cell->pass(600);
+  restart_after(kMended);
+  const auto ended = cell->finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  EXPECT_EQ(ended.accepted, 10);
+  const auto attempts = *cell->await(cell->attempts(run));
+  for (const auto& attempt : attempts)
+    EXPECT_NE(attempt.reason.substr(0, 16), "the daemon ended") << "it ended in good order";
+}
+
+TEST_F(RunByDamagedModel, KeepsAPauseOfAPersonOverTheNextStart) {
+  interrupt();
+  ASSERT_TRUE(cell->await((*cell)->runs.pause(cell->ada, run)));
+  cell->pass(10);
+  EXPECT_EQ(now().state, RunState::paused);
+  restart_after(kMended);
+  cell->pass(600);
+  EXPECT_EQ(now().state, RunState::paused);
+  EXPECT_EQ(now().hold.who, "ada");
+  ASSERT_TRUE(cell->resume());
+  EXPECT_EQ(cell->finish_run().state, RunState::done);
 }
 
 }  // namespace

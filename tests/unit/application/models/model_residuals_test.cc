@@ -1,0 +1,101 @@
+// Residuals of a model on runs that it was fitted to, and on others.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// Three runs half an hour apart in a room that warms: every zero is 340 nm from the one before.
+class ModelResidualsTest : public testing::Test {
+ protected:
+  ModelResidualsTest() : cell(world, small_cell(folder / "cell.sqlite"), kSqlite) {
+    world.warming_k_per_h = 4;
+    for (int k = 0; k < 3; ++k) {
+      runs.push_back(cell.begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true)).id);
+      cell.finish_run();
+      cell.pass(1800);
+    }
+  }
+  ModelId fitted_to(std::vector<RunId> wanted, const std::string& formula = "q1 ~ x + t01") {
+    application::FitRequest fit;
+    fit.runs = std::move(wanted);
+    fit.formula = formula;
+    const auto model = cell.await(cell->models.fit(cell.ada, fit));
+    if (!model) throw std::runtime_error(model.error().message);
+    return model->id;
+  }
+  application::ModelResiduals residuals(ModelId model, std::vector<RunId> wanted) {
+    auto found = cell.await(cell->models.residuals(model, std::move(wanted), ""));
+    if (!found) throw std::runtime_error(found.error().message);
+    return std::move(*found);
+  }
+  static double mean(const std::vector<double>& values) {
+    double sum = 0, count = 0;
+    for (const double value : values)
+      if (std::isfinite(value)) sum += value, ++count;
+    return sum / count;
+  }
+  // Of one run among several, in order.
+  static std::vector<double> of_run(const application::ModelResiduals& all, RunId run) {
+    std::vector<double> values;
+    for (std::size_t row = 0; row < all.data.rows; ++row)
+      if (all.data.run[row] == run.value) values.push_back(all.outputs[0].values[row]);
+    return values;
+  }
+
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell;
+  std::vector<RunId> runs;
+};
+
+TEST_F(ModelResidualsTest, OfALaterRunAreItsErrorsOnTheCheckStandard) {
+  const auto model = fitted_to({runs[0]});
+  for (const RunId run : {runs[1], runs[2]}) {
+    const auto found = residuals(model, {run});
+    const auto check = cell.await(cell->checks.check_model(model, {run}));
+    ASSERT_TRUE(check);
+    EXPECT_NEAR(mean(found.outputs[0].values), check->report.outputs[0].points[0].bias, 1e-6);
+    EXPECT_LT(std::abs(mean(found.outputs[0].values)), 40) << "the zeros' distance is no error";
+    EXPECT_THAT(found.mean_taken_out, IsEmpty());
+    EXPECT_FALSE(found.same_rows);
+  }
+}
+
+TEST_F(ModelResidualsTest, OfOneOfItsRunsAreThoseThatTheRunHasAmongAll) {
+  const auto model = fitted_to({runs[0], runs[1]});
+  const auto all = residuals(model, {});
+  EXPECT_TRUE(all.same_rows);
+  EXPECT_EQ(residuals(model, {runs[1]}).outputs[0].values, of_run(all, runs[1]));
+  EXPECT_EQ(residuals(model, {runs[1], runs[0]}).outputs[0].values, all.outputs[0].values);
+}
+
+TEST_F(ModelResidualsTest, OfItsOwnAndALaterRunTogetherAreThoseOfEach) {
+  const auto model = fitted_to({runs[0], runs[1]});
+  const auto both = residuals(model, {runs[1], runs[2]});
+  EXPECT_EQ(of_run(both, runs[1]), residuals(model, {runs[1]}).outputs[0].values);
+  EXPECT_EQ(of_run(both, runs[2]), residuals(model, {runs[2]}).outputs[0].values);
+  EXPECT_LT(std::abs(mean(of_run(both, runs[2]))), 40);
+}
+
+TEST_F(ModelResidualsTest, OfARunWithoutAKnownZeroHaveNoMeanAndSaySo) {
+  const auto model = fitted_to({runs[0]});
+  const auto csv = cell.await(cell->datasets.export_csv({runs[2]}, false));
+  ASSERT_TRUE(csv);
+  const auto imported = cell.await(cell->datasets.import_csv(cell.ada, "copy", *csv, ""));
+  ASSERT_TRUE(imported) << imported.error().message;
+  const auto found = residuals(model, {imported->id});
+  EXPECT_NEAR(mean(found.outputs[0].values), 0, 1e-6);
+  EXPECT_THAT(found.mean_taken_out, ElementsAre(imported->id));
+}
+
+}  // namespace
+}  // namespace driftwise::tests
