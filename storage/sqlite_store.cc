@@ -4,6 +4,7 @@
 
 #include "server/core/try.h"
 #include "storage/audit/audit_store.h"
+#include "storage/audit/record_copy.h"
 #include "storage/chain/chain_recorder.h"
 #include "storage/diagnosis/diagnosis_store.h"
 #include "storage/indentation/indentation_store.h"

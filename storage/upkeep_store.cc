@@ -1,7 +1,7 @@
 #include "storage/upkeep_store.h"
 
 #include "server/core/reasons.h"
-#include "storage/sqlite/present_file.h"
+#include "storage/audit/record_copy.h"
 
 namespace driftwise::storage {
 namespace {
@@ -82,32 +82,28 @@ Result<void> SqliteUpkeepStore::secure() {
 
 Result<void> SqliteUpkeepStore::reopen() {
   return answered([this] {
+    const DatabaseFiles state = session_.files.look();
+    // Opening the path would make an empty record of the name, or take another file for this one.
+    if (state == DatabaseFiles::moved || state == DatabaseFiles::replaced)
+      throw StorageFailure{files_error(state, session_.db.path())};
+    // A log that is on no path goes with the connection: what it holds has to be elsewhere first.
+    if (session_.db.is_open() && state == DatabaseFiles::log_gone) session_.secure_log();
     session_.names.forget();
-    session_.db.reopen();
-    set_up_();
+    session_.at_commit = nullptr;  // without the chain's recorder nothing is written
+    try {
+      session_.db.reopen();
+      set_up_();
+    } catch (...) {
+      session_.at_commit = nullptr;
+      session_.db.close();
+      session_.files.wrote();  // closing moves the log into the database
+      throw;
+    }
   });
 }
 
 Result<void> SqliteUpkeepStore::copy_to(const std::string& path) {
-  return answered([&] {
-    if (is_present(path))
-      throw_failure(ErrorCode::already_exists, reasons::kFileExists,
-                    "the record is not copied: there is a file " + path + " already");
-    Database copy(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
-    sqlite3_backup* backup =
-        sqlite3_backup_init(copy.handle(), "main", session_.db.handle(), "main");
-    if (backup == nullptr) copy.fail_now("copying the record");
-    constexpr int kEverything = -1;
-    sqlite3_backup_step(backup, kEverything);
-    if (sqlite3_backup_finish(backup) != SQLITE_OK) copy.fail_now("copying the record");
-    std::string trouble;
-    copy.for_each_row("PRAGMA quick_check(1)", [&](const std::string& line) {
-      if (line != "ok") trouble = line;
-    });
-    if (!trouble.empty())
-      throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
-                    "the copy " + path + " holds what could be read, and is damaged: " + trouble);
-  });
+  return answered([&] { rescue_record(session_.db, path); });
 }
 
 Result<std::vector<std::string>> SqliteUpkeepStore::tables() {

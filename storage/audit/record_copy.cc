@@ -1,11 +1,14 @@
 #include "storage/audit/record_copy.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <system_error>
 
 #include "server/core/reasons.h"
 #include "server/digest/sha256.h"
@@ -21,7 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr int kPagesPerStep = 2048;
-constexpr int kPauseMs = 20;  // while another connection writes the copied pages
+constexpr int kPauseMs = 20;      // while another connection has the copied pages
+constexpr int kMostPauses = 500;  // without a page in between: 10 s
 
 void refuse_present(const std::string& path) {
   for (const char* part : {"", "-wal"})
@@ -58,20 +62,28 @@ void require_sound(Database& db) {
                   db.path() + " is damaged: " + trouble);
 }
 
+bool is_held(int code) { return (code & 0xff) == SQLITE_BUSY || (code & 0xff) == SQLITE_LOCKED; }
+
 void copy_pages(Database& from, Database& to, const std::function<bool()>& give_way) {
+  from.require_open();
   sqlite3_backup* backup = sqlite3_backup_init(to.handle(), "main", from.handle(), "main");
   if (backup == nullptr) to.fail_now("copying the record");
-  int code = SQLITE_OK;
+  int code = SQLITE_OK, pauses = 0;
   bool gave_way = false;
-  do {
+  while (!gave_way && (code == SQLITE_OK || (is_held(code) && pauses < kMostPauses))) {
     code = sqlite3_backup_step(backup, kPagesPerStep);
-    if (code == SQLITE_BUSY || code == SQLITE_LOCKED) sqlite3_sleep(kPauseMs);
+    pauses = is_held(code) ? pauses + 1 : 0;
+    if (pauses > 0) sqlite3_sleep(kPauseMs);
     gave_way = give_way && give_way();
-  } while (!gave_way && (code == SQLITE_OK || code == SQLITE_BUSY || code == SQLITE_LOCKED));
+  }
   const int finished = sqlite3_backup_finish(backup);
-  if (gave_way && code != SQLITE_DONE)
+  if (code == SQLITE_DONE && finished == SQLITE_OK) return;
+  if (gave_way && (code == SQLITE_OK || is_held(code)))
     throw_failure(ErrorCode::cancelled, reasons::kGaveWay, "the copy gave way: ask again");
-  if (finished != SQLITE_OK) to.fail_now("copying the record");
+  if (is_held(code))  // which finish() does not tell
+    throw StorageFailure{
+        error_from_sqlite(code, 0, from.path(), "copying the record", sqlite3_errstr(code))};
+  to.fail_now("copying the record");
 }
 
 void sync(const std::string& path) {
@@ -81,15 +93,35 @@ void sync(const std::string& path) {
   ::close(file);
 }
 
-// A copy that is not finished is taken away again.
+// Rights of a file; where they cannot be told, as of one that was moved away: the owner's alone.
+mode_t rights_of(const std::string& path) {
+  struct stat found {};
+  constexpr mode_t kOfAll = 0777, kOwnerOnly = 0600;
+  return ::stat(path.c_str(), &found) == 0 ? found.st_mode & kOfAll : kOwnerOnly;
+}
+
+// A copy that is not finished is taken away again. It has the rights of its record: what is in the
+// one is in the other.
 class Part {
  public:
   static constexpr const char* kSuffix = ".part";
-  explicit Part(const std::string& path) : path_(path), part_(path + kSuffix) { remove(); }
+  Part(const std::string& path, const std::string& record)
+      : path_(path), part_(path + kSuffix), rights_(rights_of(record)) {
+    remove();
+    const int file = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (file >= 0) ::close(file);  // otherwise the one that opens it says why
+  }
   ~Part() { remove(); }
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
   const std::string& path() const { return part_; }
+  void take_rights() const {
+    give_to_owner_of_folder(part_);
+    if (::chmod(part_.c_str(), rights_) == 0) return;
+    throw_failure(ErrorCode::not_found, reasons::kCannotOpen,
+                  "the copy " + part_ + " cannot have the rights of its record: " +
+                      std::generic_category().message(errno));
+  }
   // On the disk under its name, before this returns.
   void finish() {
     sync(part_);
@@ -107,6 +139,7 @@ class Part {
     for (const char* log : {"", "-wal", "-shm", "-journal"}) fs::remove(part_ + log, ignored);
   }
   std::string path_, part_;
+  mode_t rights_;
 };
 
 std::int64_t bytes_of(const std::string& path) {
@@ -122,7 +155,7 @@ std::int64_t bytes_of(const std::string& path) {
 RecordCopy copy_verified(Database& record, const std::string& path,
                          const std::function<bool()>& give_way,
                          const std::function<void()>& make_room) {
-  Part part(path);
+  Part part(path, record.path());
   RecordCopy copy{path, 0, 0, {}};
   {
     Database to(part.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
@@ -142,7 +175,7 @@ RecordCopy copy_verified(Database& record, const std::string& path,
     for (const auto& [table, count] : counts) copy.rows += count;
   }
   copy.bytes = bytes_of(part.path());
-  give_to_owner_of_folder(part.path());
+  part.take_rights();
   make_room();
   part.finish();
   return copy;
@@ -195,6 +228,35 @@ RecordCopy copy_record(Database& record, const std::string& path,
                        const std::function<bool()>& give_way) {
   refuse_present(path);
   return copy_verified(record, path, give_way, [] {});
+}
+
+std::string keep_old_version(Database& db) {
+  const auto version = db.pragma("user_version");
+  if (version == 0 || version >= schema_version() || db.path().empty()) return {};
+  const auto path = db.path() + ".version-" + std::to_string(version);
+  copy_verified(db, path, {}, [] {});
+  return path;
+}
+
+void rescue_record(Database& record, const std::string& path) {
+  refuse_present(path);
+  std::string trouble;
+  try {
+    copy_verified(record, path, {}, [] {});
+    return;
+  } catch (const StorageFailure& failure) {
+    if (failure.error.reason != reasons::kDatabaseDamaged) throw;
+    trouble = failure.error.message;
+  }
+  Part part(path, record.path());
+  {
+    Database to(part.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
+    copy_pages(record, to, {});
+  }
+  part.take_rights();
+  part.finish();
+  throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
+                "the copy " + path + " holds what could be read, and is damaged: " + trouble);
 }
 
 Result<RecordCopy> restore_record(const Restore& restore) {

@@ -96,6 +96,7 @@ bool ChainCheck::step() {
       check_entry({query.integer(0), query.text(1), query.bytes(2), query.bytes(3)});
   }
   if (last_entry_ < newest.number && count > 0) return true;
+  if (compare_more()) return true;
   check_end(newest);
   return false;
 }
@@ -143,8 +144,14 @@ void ChainCheck::check_units(const ChainEntry& entry) {
     else if (unit.kind->grows)
       check_growing(*unit.kind, unit, entry.number);
     else
-      newest_[unit.kind->number][unit.key] = {entry.number, offset, unit.digest};
+      name({unit.kind->number, unit.key, entry.number, offset, unit.digest});
   }
+}
+
+void ChainCheck::name(const NamedUnit& unit) {
+  newest_.put(unit);
+  if (compared_ && (all_compared_ || Place{unit.kind, unit.key} <= *compared_))
+    again_.push_back(unit);
 }
 
 // Rows before the unit that no entry names; false: the unit is out of its order.
@@ -212,35 +219,74 @@ void ChainCheck::compare(const Unit& expected, const Unit& found, std::int64_t e
          " differs" + since);
 }
 
-void ChainCheck::check_rest(const UnitKind& kind) {
-  if (kind.grows) {
-    auto& last = last_key_[kind.number];
-    for (auto next = tables_.next_key(kind, last); next; next = tables_.next_key(kind, last)) {
-      std::string key;
-      add_integer(key, *next);
-      report_inserted(kind, key);
-      last = *next;
-    }
+void ChainCheck::compare_newest(const NamedUnit& newest) {
+  const UnitKind& kind = *unit_kind(newest.kind);
+  const Unit found = tables_.load(kind, newest.key);
+  if (found.digest == newest.digest) {
+    ++report_.units;
+    report_.rows += static_cast<std::int64_t>(found.rows.size());
     return;
   }
-  auto& expected = newest_[kind.number];
-  for (const auto& [key, newest] : expected) {
-    const Unit found = tables_.load(kind, key);
-    if (found.digest == newest.digest) {
-      ++report_.units;
-      report_.rows += static_cast<std::int64_t>(found.rows.size());
-      continue;
-    }
-    Unit unit{&kind, key, newest.digest, {}};
-    if (const auto entry = read_entry(db_, newest.entry)) {
-      BytesReader reader(entry->bytes);
-      reader.go_to(newest.offset);
-      static_cast<void>(tables_.read(reader, unit));
-    }
-    compare(unit, found, newest.entry);
+  Unit unit{&kind, newest.key, newest.digest, {}};
+  if (const auto entry = read_entry(db_, newest.entry)) {
+    BytesReader reader(entry->bytes);
+    reader.go_to(newest.offset);
+    static_cast<void>(tables_.read(reader, unit));
   }
-  for (const auto& key : tables_.keys(kind))
-    if (!expected.contains(key)) report_inserted(kind, key);
+  compare(unit, found, newest.entry);
+}
+
+// Some of the units whose newest digest is known now, in a view that has no later entry. False:
+// that was all.
+bool ChainCheck::compare_more() {
+  if (!compared_) compared_.emplace();
+  // Those that changed since they were compared; they are counted already.
+  const auto units = report_.units, rows = report_.rows;
+  for (const NamedUnit& one : again_) compare_newest(one);
+  again_.clear();
+  report_.units = units;
+  report_.rows = rows;
+  int left = kUnitsPerStep;
+  if (!all_compared_) {
+    const auto some = newest_.after(compared_->kind, compared_->key, left);
+    for (const NamedUnit& one : some) compare_newest(one);
+    if (!some.empty()) compared_ = Place{some.back().kind, some.back().key};
+    all_compared_ = std::ssize(some) < left;
+    left -= static_cast<int>(std::ssize(some));
+  }
+  if (all_compared_) search_more(left);
+  return left <= 0;
+}
+
+// Rows of the kinds that do not only grow which no entry names.
+void ChainCheck::search_more(int& left) {
+  for (; left > 0 && search_.kind < unit_kinds().size(); ++search_.kind, search_.table = 0) {
+    const UnitKind& kind = unit_kinds()[search_.kind];
+    if (kind.grows) continue;
+    for (; search_.table < kind.tables.size(); ++search_.table, search_.key.clear()) {
+      const auto keys = tables_.keys_after(kind, search_.table, search_.key, left);
+      for (const std::string& key : keys)
+        if (!newest_.holds(kind.number, key) && !tables_.is_before(kind, search_.table, key))
+          report_inserted(kind, key);
+      if (std::ssize(keys) == left) {
+        search_.key = keys.back();
+        left = 0;
+        return;
+      }
+      left -= static_cast<int>(std::ssize(keys));
+    }
+  }
+}
+
+void ChainCheck::check_rest(const UnitKind& kind) {
+  if (!kind.grows) return;
+  auto& last = last_key_[kind.number];
+  for (auto next = tables_.next_key(kind, last); next; next = tables_.next_key(kind, last)) {
+    std::string key;
+    add_integer(key, *next);
+    report_inserted(kind, key);
+    last = *next;
+  }
 }
 
 void ChainCheck::check_end(const ChainEntry& newest) {

@@ -161,7 +161,7 @@ struct ProtectedTables::TableOf {
   std::string name;
   std::vector<std::string> stored, rest;
   int stored_from() const { return static_cast<int>(rest.size()); }
-  std::string rows_sql, keys_sql, next_sql;
+  std::string rows_sql, keys_sql, first_keys_sql, keys_after_sql, next_sql;
 };
 
 struct ProtectedTables::Statements {
@@ -172,10 +172,11 @@ struct ProtectedTables::Statements {
 ProtectedTables::ProtectedTables(Database& db) : db_(db) {
   for (const UnitKind& kind : unit_kinds()) {
     Statements of{&kind, {}};
-    std::string where, key_list;
+    std::string where, key_list, marks;
     for (const char* column : kind.key) {
       where += (where.empty() ? "" : " AND ") + std::string(column) + " = ?";
       key_list += (key_list.empty() ? "" : ", ") + std::string(column);
+      marks += marks.empty() ? "?" : ", ?";
     }
     for (std::size_t i = 0; i < kind.tables.size(); ++i) {
       const std::string name = kind.tables[i];
@@ -193,11 +194,15 @@ ProtectedTables::ProtectedTables(Database& db) : db_(db) {
         if (std::ranges::find(kind.key, column) == kind.key.end()) rest.push_back(column);
       for (const auto& column : rest) number_of(column, place.rest);
       const std::string order = rest.empty() ? "" : " ORDER BY " + joined(rest, ", ");
-      TableOf table{static_cast<int>(i), name, columns.stored, rest, "", "", ""};
+      TableOf table{static_cast<int>(i), name, columns.stored, rest, "", "", "", "", ""};
       table.rows_sql = "SELECT " + joined(rest, ", ") + (rest.empty() ? "" : ", ") +
                        joined(columns.stored, ", ") + " FROM main." + name + " WHERE " + where +
                        order;
       table.keys_sql = "SELECT DISTINCT " + key_list + " FROM main." + name;
+      const std::string some = " ORDER BY " + key_list + " LIMIT ";
+      table.first_keys_sql = table.keys_sql + some + "?";
+      table.keys_after_sql =
+          table.keys_sql + " WHERE (" + key_list + ") > (" + marks + ")" + some + "?";
       table.next_sql = "SELECT " + key_list + " FROM main." + name + " WHERE " + key_list +
                        " > ? ORDER BY " + key_list + " LIMIT 1";
       of.tables.push_back(std::move(table));
@@ -319,6 +324,35 @@ std::vector<std::string> ProtectedTables::keys(const UnitKind& kind) {
     }
   }
   return {found.begin(), found.end()};
+}
+
+std::vector<std::string> ProtectedTables::keys_after(const UnitKind& kind, std::size_t table,
+                                                     std::string_view after, int limit) {
+  std::vector<std::string> found;
+  const TableOf* of = table_of(kind, static_cast<int>(table));
+  if (of == nullptr) return found;
+  const std::string& sql = after.empty() ? of->first_keys_sql : of->keys_after_sql;
+  Use use(db_, sql);
+  bind_bytes(db_, use.get(), after);
+  if (sqlite3_bind_int(use.get(), sqlite3_bind_parameter_count(use.get()), limit) != SQLITE_OK)
+    db_.fail_now(sql);
+  while (use.row()) {
+    std::string key;
+    for (int column = 0; column < sqlite3_column_count(use.get()); ++column)
+      add_column(key, use.get(), column);
+    found.push_back(std::move(key));
+  }
+  return found;
+}
+
+bool ProtectedTables::is_before(const UnitKind& kind, std::size_t table, std::string_view key) {
+  for (const TableOf& of : statements(kind).tables) {
+    if (of.number >= static_cast<int>(table)) break;
+    Use use(db_, of.rows_sql);
+    bind_bytes(db_, use.get(), key);
+    if (use.row()) return true;
+  }
+  return false;
 }
 
 std::optional<std::int64_t> ProtectedTables::next_key(const UnitKind& kind, std::int64_t after) {

@@ -88,6 +88,12 @@ class ProtectedTables {
   Unit load(const UnitKind& kind, std::string_view key);
   // Keys of all its units, in ascending order by their bytes; each once.
   std::vector<std::string> keys(const UnitKind& kind);
+  // Keys in one of its tables (by position) above this one, in the table's order, each once, at
+  // most limit; after empty: from the first on.
+  std::vector<std::string> keys_after(const UnitKind& kind, std::size_t table,
+                                      std::string_view after, int limit);
+  // Whether a table before that one has rows of the unit.
+  bool is_before(const UnitKind& kind, std::size_t table, std::string_view key);
   // Of a kind that grows: the first key above this one. nullopt: there is none.
   static constexpr std::int64_t kBelowAllKeys = std::numeric_limits<std::int64_t>::min();
   std::optional<std::int64_t> next_key(const UnitKind& kind, std::int64_t after);

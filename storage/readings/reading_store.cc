@@ -63,7 +63,7 @@ Result<std::vector<Reading>> SqliteReadingStore::readings(const std::string& dev
     for (const auto& [id, name] : session_.names.devices())
       if (device.empty() || name == device) {
         read_device(session_, id, from, to, limit, found);
-        read_thinned(session_, id, from, to, found);
+        read_thinned(session_, id, from, to, limit, found);
       }
     std::ranges::stable_sort(found, {}, &Reading::start);
     if (limit > 0 && std::ssize(found) > limit) found.erase(found.begin(), found.end() - limit);

@@ -62,13 +62,16 @@ void check_order(const ThinningOrder& order) {
                   "every: expected an interval of 1 s to 1 h");
 }
 
-// The stretches around attempts and datums, ascending and apart.
+// The stretches around attempts and datums, ascending and apart. Those of an imported file were
+// measured elsewhere, and their times here are those of the import.
 std::vector<Stretch> kept_stretches(Session& session, std::int64_t from_ns, std::int64_t to_ns) {
   Query query(session.db,
               "SELECT started_ns, ended_ns FROM attempt WHERE ended_ns >= ?1 AND started_ns <= ?2 "
-              "UNION ALL SELECT opened_ns, opened_ns FROM datum WHERE opened_ns >= ?1 AND "
-              "opened_ns <= ?2 UNION ALL SELECT measured_ns, measured_ns FROM point WHERE "
-              "measured_ns >= ?1 AND measured_ns <= ?2 ORDER BY 1");
+              "UNION ALL SELECT opened_ns, opened_ns FROM datum d WHERE opened_ns >= ?1 AND "
+              "opened_ns <= ?2 AND NOT EXISTS (SELECT 1 FROM imported_file f WHERE f.run_id = "
+              "d.run_id) UNION ALL SELECT measured_ns, measured_ns FROM point p WHERE "
+              "measured_ns >= ?1 AND measured_ns <= ?2 AND NOT EXISTS (SELECT 1 FROM imported_file "
+              "f WHERE f.run_id = p.run_id) ORDER BY 1");
   query.bind(from_ns - kAroundAttempt_ns, to_ns + kAroundAttempt_ns);
   std::vector<Stretch> out;
   while (query.row()) {
@@ -217,10 +220,14 @@ ThinningStep thin_readings(Session& session, const ThinningOrder& order) {
   for (std::int64_t limit = kLookedPerStep;; limit *= 2) {
     auto found = looking.next(order.after_id, limit);
     step.looked_id = looking.looked();
-    // Readings come in the order of their time: at the first that is too new the rest is, too.
-    const bool at_end =
-        std::erase_if(found, [&](const RawReading& one) { return one.end_ns >= before_ns; }) > 0 ||
-        looking.at_end(limit);
+    // Readings come in the order of their time: at the first that is too new the rest is, too, and
+    // a later order goes on from there.
+    const auto is_new = [&](const RawReading& one) { return one.end_ns >= before_ns; };
+    const auto first_new = std::ranges::find_if(found, is_new);
+    const bool meets_new = first_new != found.end();
+    if (meets_new) step.looked_id = first_new->id - 1;
+    std::erase_if(found, is_new);
+    const bool at_end = meets_new || looking.at_end(limit);
     step.more = !at_end;
     if (found.empty()) return step;
     const auto [first, last] = std::ranges::minmax(found, {}, &RawReading::start_ns);
@@ -284,22 +291,27 @@ ThinningStep thin_readings(Session& session, const ThinningOrder& order) {
   }
 }
 
-void read_thinned(Session& session, std::int64_t device, CellTime from, CellTime to,
+void read_thinned(Session& session, std::int64_t device, CellTime from, CellTime to, int limit,
                   std::vector<Reading>& into) {
   Query query(session.db,
               "SELECT thinning_id, start_ns, end_ns, channel_id, value FROM thinned_value WHERE "
-              "device_id = ? AND start_ns >= ? AND start_ns < ? ORDER BY start_ns, thinning_id, "
-              "channel_id");
+              "device_id = ? AND start_ns >= ? AND start_ns < ? ORDER BY start_ns DESC, "
+              "thinning_id DESC, channel_id DESC");  // the index backwards: nothing is sorted
   query.bind(device, from.utc_ns, to.utc_ns);
   std::pair<std::int64_t, std::int64_t> last{-1, -1};
+  const auto first = std::ssize(into);
   while (query.row()) {
     const std::pair<std::int64_t, std::int64_t> place{query.integer(1), query.integer(0)};
-    if (place != last)
+    if (place != last) {
+      if (limit > 0 && std::ssize(into) - first == limit) break;
       into.push_back(
           {session.names.device_name(device), {query.integer(1)}, {query.integer(2)}, 0, {}});
+    }
     last = place;
     into.back().values.push_back({session.names.channel_name(query.integer(3)), query.real(4)});
   }
+  std::reverse(into.begin() + first, into.end());
+  for (auto one = into.begin() + first; one != into.end(); ++one) std::ranges::reverse(one->values);
 }
 
 std::map<std::int64_t, std::vector<Sample>> thinned_samples(Session& session) {

@@ -19,8 +19,9 @@ inline constexpr std::int64_t kAroundAttempt_ns = 300'000'000'000;
 
 ThinningStep thin_readings(Session& session, const ThinningOrder& order);
 
-// What stands in the place of thinned readings of a device, by their start. Within a read.
-void read_thinned(Session& session, std::int64_t device, CellTime from, CellTime to,
+// What stands in the place of thinned readings of a device, by their start; of more than limit the
+// newest, 0: all. Within a read.
+void read_thinned(Session& session, std::int64_t device, CellTime from, CellTime to, int limit,
                   std::vector<Reading>& into);
 // All of it as samples of the series, by channel: for a series that is made again.
 std::map<std::int64_t, std::vector<Sample>> thinned_samples(Session& session);

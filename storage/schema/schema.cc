@@ -1,7 +1,6 @@
 #include "storage/schema/schema.h"
 
 #include <array>
-#include <filesystem>
 #include <string>
 
 #include "server/core/reasons.h"
@@ -60,33 +59,6 @@ std::span<const std::string_view> migrations() {
 #endif
   });
   return kSteps;
-}
-
-std::string keep_old_version(Database& db) {
-  const auto version = db.pragma("user_version");
-  if (version == 0 || version >= schema_version() || db.path().empty()) return {};
-  const auto path = db.path() + ".version-" + std::to_string(version);
-  const auto part = path + ".part";
-  std::error_code error;
-  std::filesystem::remove(part, error);
-  try {
-    Database copy(part, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
-    sqlite3_backup* backup = sqlite3_backup_init(copy.handle(), "main", db.handle(), "main");
-    if (backup == nullptr) copy.fail_now("copying the record before its upgrade");
-    constexpr int kEverything = -1;
-    sqlite3_backup_step(backup, kEverything);
-    if (sqlite3_backup_finish(backup) != SQLITE_OK)
-      copy.fail_now("copying the record before its upgrade");
-  } catch (...) {
-    std::filesystem::remove(part, error);
-    throw;
-  }
-  std::filesystem::rename(part, path, error);
-  if (error)
-    throw_failure(ErrorCode::data_loss, reasons::kDiskError,
-                  "the copy " + part + " of the record before its upgrade cannot be renamed to " +
-                      path + ": " + error.message());
-  return path;
 }
 
 void migrate(Database& db, std::span<const std::string_view> steps) {

@@ -27,11 +27,6 @@ void refuse_foreign_or_newer(Database& db, int newest = schema_version());
 // leaves one of them. Errors: as above.
 void migrate(Database& db, std::span<const std::string_view> steps = migrations());
 
-// A record of an older version is copied beside itself before its first change, as
-// <database>.version-6: its path; empty: nothing is to be changed. A copy of that version is
-// replaced. Errors: those of the disk; the record is as it was then.
-std::string keep_old_version(Database& db);
-
 // For a read-only connection, which cannot migrate: also SCHEMA_OLDER.
 void require_present_schema(Database& db);
 

@@ -23,10 +23,21 @@ void Database::open() {
   if (code != SQLITE_OK) fail_now("opening");
 }
 
-void Database::reopen() {
+void Database::close() {
   kept_.clear();
   handle_.reset();
+}
+
+void Database::reopen() {
+  close();
   open();
+}
+
+void Database::refuse_closed() const {
+  throw_failure(ErrorCode::resource_exhausted, reasons::kDatabaseClosed,
+                "database " + path_ +
+                    " could not be opened anew, and nothing was read or written: the daemon tries "
+                    "it again every few seconds; then the same call succeeds");
 }
 
 void Database::for_each_row(const std::string& sql,
@@ -54,6 +65,7 @@ void Database::fail_now(std::string_view doing, std::optional<int> seen_errno) c
 }
 
 void Database::execute(const std::string& sql) {
+  require_open();
   errno = 0;
   if (sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
     fail_now(sql, errno);
@@ -70,9 +82,7 @@ std::int64_t Database::pragma(const std::string& name) {
 }
 
 sqlite3_stmt* Database::kept(const char* sql) {
-  if (!handle_)
-    throw_failure(ErrorCode::resource_exhausted, reasons::kDatabaseClosed,
-                  "database " + path_ + " could not be opened anew: it is tried again");
+  require_open();
   auto& slot = kept_[sql];
   if (!slot) {
     sqlite3_stmt* raw = nullptr;

@@ -24,6 +24,13 @@ class Database {
   // Closes this connection and opens the path anew; kept statements are prepared again when they
   // are used. After a failure the object is closed, and the next reopen() tries again.
   void reopen();
+  void close();
+  bool is_open() const { return handle_ != nullptr; }
+  // Throws resource_exhausted DATABASE_CLOSED, as after a reopen() that failed.
+  void require_open() const {
+    if (!is_open()) refuse_closed();
+  }
+  [[noreturn]] void refuse_closed() const;
 
   const std::string& path() const { return path_; }
   sqlite3* handle() const { return handle_.get(); }

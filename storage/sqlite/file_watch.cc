@@ -54,6 +54,13 @@ Error files_error(DatabaseFiles state, const std::string& path) {
       ": nothing more is stored and the run waits; what is held open is copied beside it (the "
       "alarm names the copy): ";
   switch (state) {
+    case DatabaseFiles::log_gone:
+      return {ErrorCode::resource_exhausted, reasons::kDatabaseLogGone,
+              "the log of database " + path + " (" + path +
+                  "-wal) was deleted or cut off by another program: nothing was written. The "
+                  "daemon moves what the log holds into the database and begins a new one; then "
+                  "the same call succeeds. If it takes more than some seconds, the alarm says what "
+                  "it waits for"};
     case DatabaseFiles::moved:
       return {ErrorCode::resource_exhausted, reasons::kDatabaseMoved,
               "database " + path + " is no longer at its path" + end +

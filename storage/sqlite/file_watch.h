@@ -36,8 +36,8 @@ class FileWatch {
   FileIdentity log_;
 };
 
-// What a caller is told whose call is not executed because of the files. state: moved, replaced or
-// overwritten. Error: resource_exhausted (nothing was written, the call may be repeated),
+// What a caller is told whose call is not executed because of the files. state: any but good.
+// Error: resource_exhausted (nothing was written, the call may be repeated), DATABASE_LOG_GONE,
 // DATABASE_MOVED, DATABASE_REPLACED, DATABASE_OVERWRITTEN, naming the path and what to do.
 Error files_error(DatabaseFiles state, const std::string& path);
 

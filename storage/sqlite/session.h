@@ -81,12 +81,13 @@ struct Session {
     });
   }
 
-  // Moves all of the log into the database and waits for readers of older states meanwhile.
+  // Moves all of the log into the database and empties it; waits for readers meanwhile. After that
+  // nobody needs the log, so that another one may take its place. Throws DATABASE_LOCKED where a
+  // reader keeps its view for longer than the busy timeout.
   void secure_log() {
-    const int code =
-        sqlite3_wal_checkpoint_v2(db.handle(), nullptr, SQLITE_CHECKPOINT_FULL, nullptr, nullptr);
-    files.wrote();
-    if (code != SQLITE_OK) db.fail_now("moving the log into the database");
+    db.require_open();
+    move_log(SQLITE_CHECKPOINT_TRUNCATE);
+    files.logged(0);
   }
 
  private:
@@ -96,22 +97,30 @@ struct Session {
   void end(Transaction& transaction) {
     names.refresh_views();
     if (at_commit) at_commit->at_commit();
+    require_files();
     transaction.commit();
-    // A log that is on no path any more goes with this process. What it holds is in the database
-    // before anybody is told. When that fails the commit stands all the same.
+    // A log that went in the instant of the commit: what it holds is moved before anybody is told.
+    // The commit stands in the open log in any case, and what comes after it is refused.
     if (files.look() == DatabaseFiles::log_gone)
-      static_cast<void>(answered([this] { secure_log(); }));
+      static_cast<void>(answered([this] { move_log(SQLITE_CHECKPOINT_FULL); }));
   }
-  // Into a file that is not the record any more nothing is written.
+  void move_log(int mode) {
+    const int code = sqlite3_wal_checkpoint_v2(db.handle(), nullptr, mode, nullptr, nullptr);
+    files.wrote();
+    if (code != SQLITE_OK) db.fail_now("moving the log into the database");
+  }
+  // Into a file that is not the record any more nothing is written, nor into a log that is on no
+  // path and goes with this process: a full disk or a reader's view could keep it from the database
+  // when the commit stands already.
   void require_files() {
     const DatabaseFiles state = files.look();
-    if (state != DatabaseFiles::good && state != DatabaseFiles::log_gone)
-      throw StorageFailure{files_error(state, db.path())};
+    if (state == DatabaseFiles::good) return;
+    if (state == DatabaseFiles::log_gone && sqlite3_get_autocommit(db.handle()) != 0)
+      static_cast<void>(answered([this] { move_log(SQLITE_CHECKPOINT_PASSIVE); }));
+    throw StorageFailure{files_error(state, db.path())};
   }
   void require_writable() const {
-    if (!read_only && at_commit == nullptr)
-      throw_failure(ErrorCode::resource_exhausted, reasons::kDatabaseClosed,
-                    "database " + db.path() + " could not be opened anew: it is tried again");
+    if (!read_only && at_commit == nullptr) db.refuse_closed();
     if (read_only)
       throw_failure(ErrorCode::failed_precondition, reasons::kReadOnly,
                     "database " + db.path() +

@@ -51,7 +51,12 @@ Awaitable<void> AlarmBook::tell_what_changed(const std::vector<AlarmCondition>& 
   for (const auto& condition : conditions) {
     const Key key{condition.kind, condition.subject};
     const auto known = standing_.find(key);
-    if (known == standing_.end()) continue;
+    if (known == standing_.end()) {
+      // One that waits for room in the record says what holds now.
+      if (const auto waits = unstored_.find(key); waits != unstored_.end())
+        waits->second.alarm.message = condition.message;
+      continue;
+    }
     const auto& told = known->second;
     const bool more = condition.consequences.size() != told.consequences.size();
     const bool other =

@@ -19,21 +19,33 @@ class StoreReader : public AsyncStore {
               std::unique_ptr<Store> store, Open open = {})
       : AsyncStore(executor, std::move(thread), std::move(store)), open_(std::move(open)) {}
 
-  // Closes the connection when the calls made so far have their answers; later calls wait for
-  // resume(), which opens another one and tries until that can be done.
+  // Later calls wait for resume(); when this returns, the calls made so far have their answers.
+  Awaitable<void> hold() {
+    if (!open_) co_return;
+    suspended_ = true;
+    co_await run_on(thread_, [] {});
+  }
+  // The same, and the connection is closed.
   Awaitable<void> suspend() {
     if (!open_) co_return;
     suspended_ = true;
     co_await run_on(thread_, [this] { store_.reset(); });
   }
-  Awaitable<void> resume() {
-    if (!open_ || !suspended_) co_return;
-    suspended_ = !co_await run_on(thread_, [this] {
+  // Lets the calls go on, over another connection where it was closed. One that cannot be opened is
+  // the error, and the calls wait for another resume().
+  Awaitable<Result<void>> resume() {
+    if (!open_ || !suspended_) co_return Result<void>{};
+    auto opening = run_on(thread_, [this]() -> Result<void> {
+      if (store_) return {};
       auto opened = open_();
-      if (opened) store_ = std::move(*opened);
-      return opened.has_value();
+      if (!opened) return tl::unexpected(std::move(opened.error()));
+      store_ = std::move(*opened);
+      return {};
     });
-    if (!suspended_) resumed_.raise();
+    auto opened = co_await std::move(opening);
+    suspended_ = !opened;
+    if (opened) resumed_.raise();
+    co_return opened;
   }
   bool suspended() const { return suspended_; }
 

@@ -138,7 +138,7 @@ Awaitable<Result<void>> DatabaseUpkeep::thin_in_steps(ThinningOrder order, Thinn
   Result<bool> waits = true;
   while (waits && *waits && !ending_)
     waits = co_await writer_.call([](Store& store) { return store.series().summarise(); });
-  Result<ThinningStep> step = ThinningStep{.more = true};
+  Result<ThinningStep> step = ThinningStep{.looked_id = order.after_id, .more = true};
   while (step && step->more && !ending_) {
     order.at = clock_.now();
     order.after_id = step->looked_id;
@@ -146,6 +146,7 @@ Awaitable<Result<void>> DatabaseUpkeep::thin_in_steps(ThinningOrder order, Thinn
         [](Store& store, const ThinningOrder& wanted) { return store.audit().thin(wanted); },
         order);
     if (!step) break;
+    done.looked_id = step->looked_id;
     done.readings += step->readings;
     done.intervals += step->intervals;
     // Points and readings of the cell come between two steps.
@@ -160,6 +161,8 @@ Awaitable<Result<void>> DatabaseUpkeep::thin_in_steps(ThinningOrder order, Thinn
 }
 
 Awaitable<void> DatabaseUpkeep::keep_thin() {
+  // What this daemon has looked at by the same rule: it stays as it is.
+  std::int64_t looked_id = 0;
   while (!ending_) {
     const auto now = clock_.now().utc;
     ThinningOrder order;
@@ -167,9 +170,12 @@ Awaitable<void> DatabaseUpkeep::keep_thin() {
     order.every_ns = nanoseconds_from_s(thinning_.every_s).count();
     order.reducer = thinning_.reducer;
     order.by = {"daemon", "cell file", ""};
+    order.after_id = looked_id;
     ThinningStep done;
+    done.looked_id = looked_id;
     auto thinning = thin_in_steps(order, done);
     const auto ended = co_await std::move(thinning);
+    looked_id = done.looked_id;
     if (!ended) spdlog::warn("[thinning]: {}", ended.error().message);
     if (done.readings > 0)
       events_.record_own(
@@ -181,42 +187,69 @@ Awaitable<void> DatabaseUpkeep::keep_thin() {
   }
 }
 
+std::vector<StoreReader*> DatabaseUpkeep::all_readers() const {
+  auto all = readers_;
+  if (checker_) all.push_back(checker_);
+  return all;
+}
+
+bool DatabaseUpkeep::any_reader_waits() const {
+  return std::ranges::any_of(all_readers(), &StoreReader::suspended);
+}
+
 Awaitable<void> DatabaseUpkeep::look() {
   if (!reopened_) co_await open_again();
+  if (!reopened_) co_return;  // closed: how its files are says nothing
+  if (any_reader_waits()) co_await resume_readers();
   const auto state = co_await writer_.call([](Store& store) -> Result<DatabaseFiles> {
     return store.upkeep() ? store.upkeep()->files() : DatabaseFiles::good;
   });
   const auto before = std::exchange(files_, *state);
-  if (files_ == DatabaseFiles::log_gone) co_return co_await replace_log();
-  if (files_ == before) co_return;
-  if (files_ == DatabaseFiles::good) {
-    events_.record_own("database.back", "database " + path_ + " is at its path again");
+  if (files_ == DatabaseFiles::good || files_ == DatabaseFiles::log_gone) {
+    if (!files_message_.empty())
+      events_.record_own("database.back", "database " + path_ + " is at its path again");
     files_message_.clear();
-    copy_.clear();
+    if (files_ == DatabaseFiles::log_gone) co_await replace_log();
     co_return;
   }
-  co_await keep_copy();
+  if (files_ != before) {
+    files_message_.clear();
+    kept_ = false;
+    keep_again_ = {};
+  }
+  if (!kept_ && keep_again_ <= clock_.now().utc) co_await keep_copy();
 }
 
-// Everything in the log goes into the database at once; then every connection is closed and opened
-// again, so that the log at the path is the one in use.
+// Everything in the log goes into the database; then every connection is closed and opened again,
+// so that the log at the path is the one in use. Until the first is done nobody lets go of the open
+// log, and the next look tries again: what was told is nowhere else.
 Awaitable<void> DatabaseUpkeep::replace_log() {
-  const auto secured =
-      co_await writer_.call([](Store& store) -> Result<void> { return store.upkeep()->secure(); });
   gives_way_ = true;
-  for (auto* reader : readers_) co_await reader->suspend();
-  if (checker_) co_await checker_->suspend();
-  co_await open_again();
+  for (auto* reader : all_readers()) co_await reader->hold();
+  secured_ =
+      co_await writer_.call([](Store& store) -> Result<void> { return store.upkeep()->secure(); });
+  if (secured_) {
+    for (auto* reader : all_readers()) co_await reader->suspend();
+    co_await open_again();
+  } else {
+    tell_of_log(
+        "what it held could not all be moved into the database: " + secured_.error().message +
+        ". It is only in the log that the daemon holds open: do not end the daemon. Nothing more "
+        "is stored, the run waits, and it is tried again every few seconds");
+    co_await resume_readers();
+  }
   gives_way_ = ending_;
+}
+
+void DatabaseUpkeep::tell_of_log(const std::string& outcome) {
   log_lost_ = clock_.now().utc;
-  log_message_ = fmt::format(
+  auto message = fmt::format(
       "the log of database {} ({}-wal) was deleted or cut off by another program: {}; look what "
       "deletes files there",
-      path_, path_,
-      !secured ? "what it held could not all be moved into the database: " + secured.error().message
-      : !reopened_ ? "all of it is in the database, and a new one could not be opened: " +
-                         reopened_.error().message
-                   : "all of it is in the database, and a new one is in use");
+      path_, path_, outcome);
+  const bool told = message == log_message_;
+  log_message_ = std::move(message);
+  if (told && (!secured_ || !reopened_)) return;  // nothing has changed since the last try
   spdlog::error("{}", log_message_);
   events_.record_own("database.log_gone", log_message_);
 }
@@ -224,9 +257,22 @@ Awaitable<void> DatabaseUpkeep::replace_log() {
 Awaitable<void> DatabaseUpkeep::open_again() {
   reopened_ =
       co_await writer_.call([](Store& store) -> Result<void> { return store.upkeep()->reopen(); });
-  if (!reopened_) co_return;
-  for (auto* reader : readers_) co_await reader->resume();
-  if (checker_) co_await checker_->resume();
+  tell_of_log(!reopened_ ? "all of it is in the database, and a new one could not be opened: " +
+                               reopened_.error().message
+                         : "all of it is in the database, and a new one is in use");
+  if (reopened_) co_await resume_readers();
+}
+
+Awaitable<void> DatabaseUpkeep::resume_readers() {
+  reader_message_.clear();
+  for (auto* reader : all_readers()) {
+    const auto resumed = co_await reader->resume();
+    if (!resumed)
+      reader_message_ = fmt::format(
+          "queries wait, for database {} cannot be opened for reading: {}; it is tried again every "
+          "few seconds",
+          path_, resumed.error().message);
+  }
 }
 
 void DatabaseUpkeep::list_troubles() {
@@ -244,7 +290,9 @@ Awaitable<void> DatabaseUpkeep::keep_copy() {
   const std::string target = copy_path();
   const auto copied = co_await writer_.call(
       [](Store& store, const std::string& path) { return store.upkeep()->copy_to(path); }, target);
-  copy_ = target;
+  // A copy with damaged pages stands all the same: another one would hold no more.
+  kept_ = copied || copied.error().reason == reasons::kDatabaseDamaged;
+  keep_again_ = clock_.now().utc + nanoseconds_from_s(kKeepAgain_s);
   const char* what = files_ == DatabaseFiles::moved      ? "is no longer at its path"
                      : files_ == DatabaseFiles::replaced ? "has been replaced by another file"
                                                          : "has been written by another program";
@@ -252,12 +300,19 @@ Awaitable<void> DatabaseUpkeep::keep_copy() {
                          ? "stop the daemon, put the copy or a backup at the path, start it again"
                          : "put the file back and the cell continues, or stop the daemon, put the "
                            "copy at the path and start it again";
-  files_message_ =
-      fmt::format("database {} {}: no point is stored and the run waits. {}. {}", path_, what,
-                  copied ? fmt::format("The record that is held open was copied to {}", target)
-                         : fmt::format("The record that is held open could not be copied whole: {}",
-                                       copied.error().message),
-                  then);
+  auto message = fmt::format(
+      "database {} {}: no point is stored and the run waits. {}. {}", path_, what,
+      copied  ? fmt::format("The record that is held open was copied to {}", target)
+      : kept_ ? fmt::format("The record that is held open could not be copied whole: {}",
+                            copied.error().message)
+              : fmt::format("The record that is held open could not be copied, which is "
+                            "tried again every minute, and is whole only while the "
+                            "daemon runs: {}",
+                            copied.error().message),
+      then);
+  const bool tell = kept_ || files_message_.empty();
+  files_message_ = std::move(message);
+  if (!tell) co_return;
   spdlog::error("{}", files_message_);
   events_.record_own("database.files", files_message_);
 }
@@ -266,6 +321,8 @@ std::vector<AlarmCondition> DatabaseUpkeep::conditions() const {
   std::vector<AlarmCondition> out;
   if (!files_message_.empty())
     out.push_back({AlarmLevel::failed, "database.files", "database", files_message_});
+  if (!reader_message_.empty())
+    out.push_back({AlarmLevel::failed, "database.log_gone", "database readers", reader_message_});
   const bool lately =
       log_lost_.utc_ns != 0 && seconds_from(clock_.now().utc - log_lost_) < kLogAlarmStands_s;
   if (lately) out.push_back({AlarmLevel::failed, "database.log_gone", "database", log_message_});

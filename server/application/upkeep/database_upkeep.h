@@ -29,6 +29,7 @@ class DatabaseUpkeep final : public RecordKeeping {
  public:
   static constexpr double kLook_s = 2;           // cell time between two looks at the files
   static constexpr double kMeasure_s = 600;      // between two looks at the size and the disk
+  static constexpr double kKeepAgain_s = 60;     // between two tries of a copy that fails
   static constexpr double kThinEvery_s = 86400;  // between two thinnings by the cell file
   static constexpr double kFirstCheck_s = 60;    // after the start: the cell comes first
   static constexpr double kPassEvery_s = 86400;  // between the ends of two passes
@@ -64,7 +65,11 @@ class DatabaseUpkeep final : public RecordKeeping {
   void measure();
   Awaitable<void> look();
   Awaitable<void> replace_log();
-  Awaitable<void> open_again();  // every connection, where that has not been done
+  Awaitable<void> open_again();  // every connection
+  Awaitable<void> resume_readers();
+  std::vector<StoreReader*> all_readers() const;
+  bool any_reader_waits() const;
+  void tell_of_log(const std::string& outcome);
   Awaitable<void> keep_copy();
   void list_troubles();
   Awaitable<void> check();
@@ -83,11 +88,14 @@ class DatabaseUpkeep final : public RecordKeeping {
   TaskGroup& tasks_;
   std::function<bool()> busy_;
   DatabaseFiles files_ = DatabaseFiles::good;
-  std::string files_message_, copy_;
-  CellTime log_lost_;  // when a log was last lost, utc_ns 0: never
+  std::string files_message_;
+  bool kept_ = false;    // the record that is held open was copied
+  CellTime keep_again_;  // when a copy that failed is due again
+  CellTime log_lost_;    // when a log was last lost, utc_ns 0: never
   std::string log_message_;
-  Result<void> reopened_;
-  std::string first_trouble_;  // of the first look
+  Result<void> secured_, reopened_;
+  std::string reader_message_;  // why queries wait; empty: they do not
+  std::string first_trouble_;   // of the first look
   DatabaseHealth health_;
   DatabaseChecks checks_;
   std::atomic<bool> gives_way_{false};  // asked by the checker's thread

@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 
 #include <array>
+#include <cstdint>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -314,8 +315,15 @@ CellParts parts_of(const CellDescription& cell) {
 
 // Keys of the text that the description's list does not know: those of sections and keys that were
 // added later. Compared as TOML, without defaults.
-void add_unknown(const toml::node& node, const std::string& place, const std::string& key,
-                 const std::set<std::pair<std::string, std::string>>& known, CellParts& parts);
+//
+// A place in the text. name: the whole path with the name of each element of a list, so that no two
+// places have the same one: "keep_out tips axis ma.q1_mm". kind: the path without the names.
+struct TextPlace {
+  std::string name, kind;
+};
+using KnownKeys = std::set<std::pair<std::string, std::string>>;  // (kind of place, key)
+void add_unknown(const toml::node& node, const TextPlace& at, const std::string& key,
+                 const KnownKeys& known, CellParts& parts);
 
 std::string value_text(const toml::node& node) {
   if (const auto number = node.value<double>();
@@ -343,39 +351,45 @@ std::string value_text(const toml::node& node) {
   return out.str();
 }
 
-// By what an element of a list of tables is known: "device laser-x".
-std::string place_of(const std::string& list, const toml::table& table) {
-  for (const char* name : {"id", "channel", "length", "motor", "name", "number"})
-    if (const auto text = table[name].value<std::string>()) return list + " " + *text;
-  return list;
+// Name of an element of a list of tables within it: "laser-x"; without one, its place in the list.
+std::string name_of(const toml::table& table, std::size_t index) {
+  for (const char* name : {"id", "channel", "length", "motor", "name", "number", "input"}) {
+    if (const auto text = table[name].value<std::string>()) return *text;
+    if (const auto number = table[name].value<std::int64_t>()) return std::to_string(*number);
+  }
+  return std::to_string(index + 1);
 }
 
-void add_table(const toml::table& table, const std::string& place,
-               const std::set<std::pair<std::string, std::string>>& known, CellParts& parts) {
-  for (const auto& [key, node] : table)
-    add_unknown(node, place, std::string(key.str()), known, parts);
+void add_table(const toml::table& table, const TextPlace& at, const KnownKeys& known,
+               CellParts& parts) {
+  for (const auto& [key, node] : table) add_unknown(node, at, std::string(key.str()), known, parts);
 }
 
-void add_unknown(const toml::node& node, const std::string& place, const std::string& key,
-                 const std::set<std::pair<std::string, std::string>>& known, CellParts& parts) {
-  const std::string kind = place.substr(0, place.find(' '));
-  if (known.contains({kind, key}) || known.contains({kind, "*"})) return;
-  const std::string under = place.empty() ? key : place + " " + key;
+void add_unknown(const toml::node& node, const TextPlace& at, const std::string& key,
+                 const KnownKeys& known, CellParts& parts) {
+  if (known.contains({at.kind, key}) || known.contains({at.kind, "*"})) return;
+  const auto under = [&key](const std::string& path) {
+    return path.empty() ? key : path + " " + key;
+  };
+  const std::string kind = under(at.kind), name = under(at.name);
   if (const auto* array = node.as_array();
       array && !array->empty() && array->is_array_of_tables()) {
-    for (const auto& element : *array) {
-      const auto& table = *element.as_table();
-      add_table(table, place_of(key, table), known, parts);
+    // What the description's list has a part for goes with that part: "probe t07_degC".
+    const auto listed = known.lower_bound({kind, ""});
+    const bool has_part = listed != known.end() && listed->first == kind;
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      const auto& table = *(*array)[i].as_table();
+      add_table(table, {(has_part ? key : name) + " " + name_of(table, i), kind}, known, parts);
     }
     return;
   }
-  if (const auto* table = node.as_table()) return add_table(*table, under, known, parts);
-  parts[place.empty() ? key : place].values[key] = value_text(node);
+  if (const auto* table = node.as_table()) return add_table(*table, {name, kind}, known, parts);
+  parts[at.name.empty() ? key : at.name].values[key] = value_text(node);
 }
 
 // (kind of place, key) of everything that parts_of() speaks of, under the names of the text.
-std::set<std::pair<std::string, std::string>> known_keys() {
-  std::set<std::pair<std::string, std::string>> known;
+KnownKeys known_keys() {
+  KnownKeys known;
   const auto add = [&known](const char* kind, std::initializer_list<const char*> keys) {
     for (const char* key : keys) known.emplace(kind, key);
   };
@@ -397,13 +411,14 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   add("device",
       {"id", "kind", "address", "timeout_s", "period_s", "max_age_s", "options", "length",
        "u_length_nm", "u_drift_nm_per_h", "u_drift_nm_per_k", "drift_channel", "channel"});
-  add("axis", {"channel", "device_axis", "min_mm", "max_mm", "u_scale_nm"});
-  add("probe", {"channel", "input", "part", "place", "r0_ohm", "a_per_degc", "b_per_degc2", "u_k"});
-  add("angle", {"channel", "device_axis", "sign", "u_arcsec"});
+  add("device axis", {"channel", "device_axis", "min_mm", "max_mm", "u_scale_nm"});
+  add("device probe",
+      {"channel", "input", "part", "place", "r0_ohm", "a_per_degc", "b_per_degc2", "u_k"});
+  add("device angle", {"channel", "device_axis", "sign", "u_arcsec"});
   add("load", {"max_n", "u_n", "gravity_m_s2"});
   add("correction", {"cosine"});
-  add("beam", {"length", "offset_mm", "offset_per_mm", "u_offset_mm", "direction_arcsec",
-               "u_direction_arcsec", "u_flatness_nm"});
+  add("correction beam", {"length", "offset_mm", "offset_per_mm", "u_offset_mm", "direction_arcsec",
+                          "u_direction_arcsec", "u_flatness_nm"});
   add("kinematics", {"*"});
   add("setup", {"*"});
   return known;
@@ -414,7 +429,8 @@ std::set<std::pair<std::string, std::string>> known_keys() {
 void add_robots(const CellDescription& cell, CellParts& parts) {
   for (auto& [place, part] : parts)
     for (const auto& robot : cell.robots)
-      if (place.starts_with("robot ") && (robot.id.empty() || place == "robot " + robot.id))
+      if (place.starts_with("robot ") &&
+          (robot.id.empty() || (place + " ").starts_with("robot " + robot.id + " ")))
         for (const auto& axis : robot.axes) part.affects.push_back(axis.symbol);
 }
 
@@ -424,7 +440,7 @@ CellParts cell_parts(const CellDescription& cell, std::string_view text) {
   CellParts parts = parts_of(cell);
   try {
     CellParts further;
-    add_table(parse_toml(text), "", known_keys(), further);
+    add_table(parse_toml(text), {}, known_keys(), further);
     for (auto& [place, part] : further)
       for (auto& [key, value] : part.values) parts[place].values.emplace(key, value);
     add_robots(cell, parts);

@@ -1,8 +1,10 @@
 #include "server/formats/import/time_format.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <optional>
+#include <system_error>
 
 #include "server/core/reasons.h"
 #include "server/formats/import/number_style.h"
@@ -41,6 +43,15 @@ tl::unexpected<Error> bad_format(const std::string& sentence) {
 tl::unexpected<Error> unreadable_time(std::string_view text, const std::string& expected) {
   return fail(ErrorCode::invalid_argument, reasons::kBadTime,
               "found " + shown(text) + ", expected " + expected);
+}
+
+// Digits with or without a sign, to the last of them.
+std::optional<std::int64_t> whole_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 struct CivilTime {
@@ -187,9 +198,11 @@ Result<CellTime> TimeFormat::read_number(std::string_view text, char decimal) co
   // Up to the year 2200 in nanoseconds, with room for the zero.
   if (!number || std::abs(*number * seconds_per_unit_) > 7e9)
     return unreadable_time(text, kExpected + text_ + " (the mapping's time.format)");
-  // The whole part in whole nanoseconds, so that a long count keeps its fraction.
-  const double whole = std::trunc(*number), part = *number - whole;
+  // The whole part in whole nanoseconds, so that a long count keeps its fraction. Of a count of
+  // nanoseconds a double would keep 53 of 61 bits.
   const std::int64_t ns_per_unit = std::llround(seconds_per_unit_ * 1e9);
+  if (const auto whole = whole_number(text)) return CellTime{zero_utc_ns_ + *whole * ns_per_unit};
+  const double whole = std::trunc(*number), part = *number - whole;
   return CellTime{zero_utc_ns_ + static_cast<std::int64_t>(whole) * ns_per_unit +
                   std::llround(part * static_cast<double>(ns_per_unit))};
 }

@@ -64,7 +64,7 @@ std::string parameter_rows(const identification::Identification& found) {
       text += formatted("%16.9g %12.4g %12.3g", one.value, one.value - one.parameter.nominal,
                         one.standard_error);
     else
-      text += formatted("%16s %12s %12s", "held", "", "");
+      text += formatted("%16.9g %12s %12s", one.value, "held", "");
     text += (one.note.empty() ? "" : "  " + one.note) + "\n";
   }
   return text;

@@ -1,5 +1,9 @@
 // The chain over the record: what is stored verifies, what was changed since is named.
 
+#include <malloc.h>
+
+#include <algorithm>
+
 #include "server/core/records/audit_records.h"
 #include "server/digest/sha256.h"
 #include "storage/chain/value_bytes.h"
@@ -7,6 +11,8 @@
 
 namespace driftwise::storage {
 namespace {
+
+using testing::HasSubstr;
 
 class ChainTest : public StoreTest {
  protected:
@@ -121,6 +127,75 @@ TEST_F(ChainTest, NamesARowThatWasInserted) {
       "INSERT INTO reading (reading_id, device_id, start_ns, end_ns, sequence) VALUES (900, 1, "
       "5, 6, 7)");
   EXPECT_EQ(first_found(), "reading with reading_id 900 is inserted: the chain has no such row");
+}
+
+TEST_F(ChainTest, NamesAMoveThatWasInsertedChangedOrRemoved) {
+  store_points(5);
+  change(
+      "INSERT INTO move (at_ns, ordinal, axis, at_monotonic_ns, run_id, from_mm, to_mm, cause) "
+      "SELECT at_ns + 1, ordinal, axis, at_monotonic_ns, run_id, from_mm, to_mm, cause FROM move "
+      "ORDER BY at_ns LIMIT 1");
+  EXPECT_THAT(first_found(), HasSubstr("is inserted: the chain has no such row"));
+  change("DELETE FROM move WHERE at_ns = (SELECT min(at_ns) + 1 FROM move)");
+  EXPECT_EQ(first_found(), "nothing");
+  change("UPDATE move SET cause = 'other' WHERE at_ns = (SELECT max(at_ns) FROM move)");
+  EXPECT_THAT(first_found(), HasSubstr("differs since entry "));
+  change("DELETE FROM move WHERE at_ns = (SELECT max(at_ns) FROM move)");
+  EXPECT_THAT(first_found(), HasSubstr("is missing since entry "));
+}
+
+TEST_F(ChainTest, NamesEachRowOfAnInsertedUnitOnce) {
+  change(
+      "INSERT INTO datum (datum_id, run_id, opened_ns, opened_monotonic_ns, reason) SELECT 99, "
+      "run_id, opened_ns, opened_monotonic_ns, reason FROM datum LIMIT 1; INSERT INTO datum_value "
+      "SELECT 99, channel_id, value FROM datum_value LIMIT 1; INSERT INTO datum_value SELECT 98, "
+      "channel_id, value FROM datum_value LIMIT 1");
+  const auto report = verified();
+  EXPECT_EQ(report.differences, 3);
+  EXPECT_THAT(report.first, testing::Contains(HasSubstr("datum_value with datum_id 98")));
+}
+
+TEST_F(ChainTest, NamesARowThatWasPutBackToAnEarlierState) {
+  RunChange paused;
+  paused.state = RunState::paused;
+  ASSERT_TRUE(store->runs().change_run(run, paused));
+  change("CREATE TABLE kept AS SELECT * FROM run_progress");
+  store = open_store(path);
+  store_points(3);
+  change("REPLACE INTO run_progress SELECT * FROM kept; DROP TABLE kept");
+  EXPECT_THAT(first_found(), HasSubstr("run_progress with run_id 1 differs since entry "));
+}
+
+TEST_F(ChainTest, ChecksALargerRecordWithoutMoreMemory) {
+  constexpr int kBatch = 100;  // an entry each: the memory is looked at every 500
+  int moves = 0;
+  const auto add = [&](int batches) {
+    for (int batch = 0; batch < batches; ++batch) {
+      std::vector<MoveRecord> some;
+      for (int i = 0; i < kBatch; ++i, ++moves)
+        some.push_back({run, at_s(100 + 0.5 * moves), {1.0}, {2.0}, "point"});
+      ASSERT_TRUE(store->readings().append({}, some, {}));
+    }
+  };
+  const auto peak_bytes = [&] {
+    const auto checker = open_store(path, true);
+    const std::size_t before = mallinfo2().uordblks;
+    std::size_t peak = before;
+    const auto report = checker->audit().verify({}, [&] {
+      peak = std::max(peak, mallinfo2().uordblks);
+      return false;
+    });
+    EXPECT_TRUE(report->intact());
+    EXPECT_GE(report->units, moves);
+    return static_cast<std::int64_t>(peak - before);
+  };
+  add(600);
+  const auto of_60_000 = peak_bytes();
+  add(1200);
+  const auto of_180_000 = peak_bytes();
+  RecordProperty("bytes_60_000", std::to_string(of_60_000));
+  RecordProperty("bytes_180_000", std::to_string(of_180_000));
+  EXPECT_LT(of_180_000 - of_60_000, 3 << 20) << of_60_000 << " B, then " << of_180_000 << " B";
 }
 
 TEST_F(ChainTest, NamesAnEntryOfTheChainThatWasChanged) {

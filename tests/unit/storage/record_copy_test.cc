@@ -70,6 +70,27 @@ TEST_F(RecordCopyTest, IntoAFolderThatCannotBeSearchedIsRefused) {
   }
 }
 
+TEST_F(RecordCopyTest, MayBeReadByWhoMayReadTheRecord) {
+  const auto rights = [](const std::string& file) {
+    return std::filesystem::status(file).permissions();
+  };
+  const auto kept = rights(path);
+  for (const auto own : {std::filesystem::perms{0600}, std::filesystem::perms{0640}}) {
+    std::filesystem::permissions(path, own);
+    ASSERT_TRUE(store->audit().back_up(copy, {}));
+    ASSERT_TRUE(store->upkeep()->copy_to(other));
+    EXPECT_EQ(rights(copy), own);
+    EXPECT_EQ(rights(other), own);
+    std::filesystem::remove(copy);
+    std::filesystem::remove(other);
+  }
+  std::filesystem::permissions(path, kept);
+  std::filesystem::rename(path, folder / "away.db");
+  ASSERT_TRUE(store->upkeep()->copy_to(other));
+  EXPECT_EQ(rights(other), std::filesystem::perms{0600}) << "nobody says who might";
+  std::filesystem::rename(folder / "away.db", path);
+}
+
 TEST_F(RecordCopyTest, ComesBackWhereNothingIs) {
   const auto head = store->audit().back_up(copy, {})->head;
   const auto restored = restore_record({copy, other, "", head});

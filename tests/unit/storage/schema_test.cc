@@ -50,12 +50,14 @@ TEST(Schema, KeepsACopyOfTheOldVersionBeforeItsFirstChange) {
   const TemporaryFolder folder;
   const std::string path = copy_of_version_1_cell(folder);
   const std::string points = text(path, "SELECT count(*) FROM point");
+  std::filesystem::permissions(path, std::filesystem::perms{0600});
   { const auto store = open_store(path); }
   const std::string kept = path + ".version-1";
   EXPECT_EQ(text(kept, "PRAGMA user_version"), "1");
   EXPECT_EQ(text(kept, "PRAGMA integrity_check"), "ok");
   EXPECT_EQ(text(kept, "SELECT count(*) FROM point"), points);
   EXPECT_FALSE(std::filesystem::exists(kept + ".part"));
+  EXPECT_EQ(std::filesystem::status(kept).permissions(), std::filesystem::perms{0600});
   std::filesystem::remove(kept);
   { const auto store = open_store(path); }
   EXPECT_FALSE(std::filesystem::exists(kept)) << "nothing was changed any more";

@@ -1,6 +1,8 @@
 // Thinning: raw readings of the environment become one row per interval, and the chain says so.
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "storage/chain/thinned_entry.h"
 #include "tests/unit/storage/store_fixture.h"
@@ -152,6 +154,67 @@ TEST_F(ThinningTest, CutsNoIntervalAtTheEndOfAStep) {
   EXPECT_EQ(done.intervals, 900);
   EXPECT_EQ(first_found(), "nothing");
   EXPECT_GT(verified().thinned.size(), 2U) << "several transactions";
+}
+
+TEST_F(ThinningTest, ALaterPassLooksAtWhatIsNewOnly) {
+  store_scans(20'000);
+  store_scans(2000, kFrom_s + 50'000);
+  auto wanted = order();
+  wanted.before = at_s(kFrom_s + 40'000).utc;
+  const auto pass = [&] {
+    int steps = 0, readings = 0;
+    for (bool more = true; more; ++steps) {
+      const auto step = store->audit().thin(wanted).value();
+      wanted.after_id = step.looked_id;
+      readings += static_cast<int>(step.readings);
+      more = step.more;
+    }
+    return std::pair(steps, readings);
+  };
+  const auto [first_steps, first_readings] = pass();
+  EXPECT_GT(first_steps, 8);
+  EXPECT_EQ(first_readings, 20'000);
+  EXPECT_EQ(pass(), std::pair(1, 0)) << "nothing is older by now";
+  wanted.before = at_s(kFrom_s + 60'000).utc;
+  EXPECT_EQ(pass(), std::pair(1, 2000)) << "what was too new is not passed over";
+  EXPECT_EQ(first_found(), "nothing");
+}
+
+TEST_F(ThinningTest, KeepsNothingForPointsThatWereMeasuredElsewhere) {
+  NewRun imported = example_run("imported");
+  imported.created = at_s(kFrom_s);
+  imported.trajectory_name = imported.trajectory_text = "";
+  Dataset file;
+  file.rows = 1000;
+  file.columns = {{Channel{"x", "mm"}, std::vector<double>(file.rows, 1.0)}};
+  for (std::size_t row = 0; row < file.rows; ++row)
+    file.time_s.push_back(1.0 * static_cast<double>(row));
+  ASSERT_TRUE(store->runs().import_dataset(imported, file));
+  store_scans(1000);
+  EXPECT_EQ(thin(order()).readings, 1000);
+}
+
+TEST_F(ThinningTest, AnswersTheNewestRowsWhenFewAreAskedFor) {
+  store_scans(3000);
+  store_scans(20, kFrom_s + 100'000);
+  auto wanted = order();
+  wanted.before = at_s(kFrom_s + 90'000).utc;
+  thin(wanted);
+  const auto all = scans();
+  ASSERT_EQ(all.size(), 320U);
+  for (const int limit : {1, 10, 25, 319, 320, 1000}) {
+    const auto some = store->readings()
+                          .readings("scanner", at_s(kFrom_s).utc, at_s(kFrom_s + 1e6).utc, limit)
+                          .value();
+    const std::size_t count = std::min<std::size_t>(all.size(), static_cast<std::size_t>(limit));
+    ASSERT_EQ(some.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_EQ(some[i].start, all[all.size() - count + i].start) << limit << ", " << i;
+      EXPECT_EQ(value_of(some[i].values, "t01_degC"),
+                value_of(all[all.size() - count + i].values, "t01_degC"))
+          << limit << ", " << i;
+    }
+  }
 }
 
 TEST_F(ThinningTest, KeepsTheSeries) {

@@ -1,12 +1,48 @@
 // The database's own files: taken away, replaced, written by others, damaged.
 
+#include <optional>
+
 #include "server/core/records/records.h"
+#include "tests/unit/storage/sqlite/disk_without_room.h"
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {
 namespace {
 
 namespace fs = std::filesystem;
+
+// A file that another program locks as soon as the last other connection to it is closed.
+class ClosedMoment {
+ public:
+  explicit ClosedMoment(const std::string& path) {
+    path_ = path;
+    system_open_ = reinterpret_cast<Open>(vfs()->xGetSystemCall(vfs(), kCall));
+    replace(reinterpret_cast<sqlite3_syscall_ptr>(&ClosedMoment::open));
+  }
+  ~ClosedMoment() {
+    replace(nullptr);
+    other_.reset();
+  }
+  ClosedMoment(const ClosedMoment&) = delete;
+  ClosedMoment& operator=(const ClosedMoment&) = delete;
+
+ private:
+  using Open = int (*)(const char*, int, int);
+  static constexpr const char* kCall = "open";
+  static sqlite3_vfs* vfs() { return sqlite3_vfs_find(nullptr); }
+  static void replace(sqlite3_syscall_ptr call) { vfs()->xSetSystemCall(vfs(), kCall, call); }
+  static int open(const char* file, int flags, int rights) {
+    if (file == path_ && !other_) {
+      replace(nullptr);
+      other_.emplace(path_, SQLITE_OPEN_READWRITE, "");
+      other_->execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
+    }
+    return system_open_(file, flags, rights);
+  }
+  inline static std::string path_;
+  inline static std::optional<Database> other_;
+  inline static Open system_open_ = nullptr;
+};
 
 class UpkeepTest : public StoreTest {
  protected:
@@ -51,11 +87,128 @@ TEST_F(UpkeepTest, NoToldPointIsLostWithADeletedLog) {
   ASSERT_EQ(upkeep().files(), DatabaseFiles::good);
   fs::remove(path + "-wal");
   EXPECT_EQ(upkeep().files(), DatabaseFiles::log_gone);
-  // The next one that is told takes those before it along.
+  // The next call is refused, and what was told before it is moved meanwhile.
+  const auto refused = commit(5);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::resource_exhausted);
+  EXPECT_EQ(refused.error().reason, "DATABASE_LOG_GONE");
+  EXPECT_EQ(points_after_a_kill(), 5u);
+  ASSERT_TRUE(upkeep().secure());
+  ASSERT_TRUE(upkeep().reopen());
   ASSERT_TRUE(commit(5));
   EXPECT_EQ(points_after_a_kill(), 6u);
-  ASSERT_TRUE(commit(6));
-  EXPECT_EQ(points_after_a_kill(), 7u);
+}
+
+TEST_F(UpkeepTest, NoToldPointIsLostWithADeletedLogOnAFullDisk) {
+  ASSERT_TRUE(upkeep().secure());
+  for (int row = 0; row < 50; ++row) ASSERT_TRUE(commit(row));
+  {
+    const DiskWithoutRoom full;
+    fs::remove(path + "-wal");
+    EXPECT_EQ(upkeep().secure().error().reason, "DISK_FULL");
+    EXPECT_EQ(upkeep().reopen().error().reason, "DISK_FULL") << "the open log is not let go of";
+    EXPECT_EQ(commit(50).error().reason, "DATABASE_LOG_GONE") << "nothing more is told";
+  }
+  ASSERT_TRUE(upkeep().secure()) << "there is room again";
+  ASSERT_TRUE(upkeep().reopen());
+  EXPECT_EQ(upkeep().files(), DatabaseFiles::good);
+  ASSERT_TRUE(commit(50));
+  EXPECT_EQ(points_after_a_kill(), 51u);
+  EXPECT_TRUE(store->audit().verify({}, {})->intact());
+}
+
+class AForeignReader : public UpkeepTest, public testing::WithParamInterface<bool> {};
+
+TEST_P(AForeignReader, KeepsTheOpenLogAliveUntilItsTransactionEnds) {
+  store.reset();
+  store = open_store(path, false, {.vfs = "", .busy_timeout_ms = 0});
+  for (int row = 0; row < 50; ++row) ASSERT_TRUE(commit(row));
+  if (GetParam()) {
+    ASSERT_TRUE(upkeep().secure());
+  }
+  std::optional<Database> shell(std::in_place, path, SQLITE_OPEN_READONLY, "");
+  shell->execute("BEGIN; SELECT count(*) FROM point");
+  for (int row = 50; row < 60; ++row) ASSERT_TRUE(commit(row));
+  fs::remove(path + "-wal");
+  EXPECT_EQ(upkeep().secure().error().reason, "DATABASE_LOCKED");
+  EXPECT_EQ(upkeep().reopen().error().reason, "DATABASE_LOCKED");
+  EXPECT_EQ(commit(60).error().reason, "DATABASE_LOG_GONE");
+  EXPECT_EQ(store->points().points(run, 0, 0)->size(), 60u);
+  shell->execute("COMMIT");
+  ASSERT_TRUE(upkeep().secure());
+  ASSERT_TRUE(upkeep().reopen());
+  ASSERT_TRUE(commit(60));
+  EXPECT_EQ(points_after_a_kill(), 61u);
+  EXPECT_TRUE(store->audit().verify({}, {})->intact());
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, AForeignReader, testing::Bool(), [](const auto& row) {
+  return std::string(row.param ? "OfTheDatabase" : "OfTheLog");
+});
+
+TEST_F(UpkeepTest, AViewOfTheNewestStateKeepsTheLogToo) {
+  store.reset();
+  store = open_store(path, false, {.vfs = "", .busy_timeout_ms = 0});
+  for (int row = 0; row < 5; ++row) ASSERT_TRUE(commit(row));
+  Database shell(path, SQLITE_OPEN_READONLY, "");
+  shell.execute("BEGIN; SELECT count(*) FROM point");
+  fs::remove(path + "-wal");
+  // With the index of that log in use, a new log would begin where the old one ended: after a kill
+  // nothing in it could be read.
+  EXPECT_EQ(upkeep().reopen().error().reason, "DATABASE_LOCKED");
+  shell.execute("COMMIT");
+  ASSERT_TRUE(upkeep().reopen());
+  ASSERT_TRUE(commit(5));
+  EXPECT_EQ(points_after_a_kill(), 6u);
+}
+
+TEST_F(UpkeepTest, AReopeningThatFailsHalfWayTakesNoPointUntilItSucceeds) {
+  store.reset();
+  store = open_store(path, false, {.vfs = "", .busy_timeout_ms = 0});
+  for (int row = 0; row < 5; ++row) ASSERT_TRUE(commit(row));
+  fs::remove(path + "-wal");
+  ASSERT_TRUE(upkeep().secure());
+  {
+    // Another program gets hold of the file in the moment in which the daemon has it closed.
+    ClosedMoment moment(path);
+    const auto reopened = upkeep().reopen();
+    ASSERT_FALSE(reopened);
+    EXPECT_EQ(reopened.error().reason, "DATABASE_LOCKED");
+  }
+  const auto refused = commit(5);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "DATABASE_CLOSED");
+  EXPECT_EQ(store->idle().error().reason, "DATABASE_CLOSED");
+  EXPECT_EQ(upkeep().secure().error().reason, "DATABASE_CLOSED");
+  EXPECT_EQ(upkeep().copy_to(folder / "kept.db").error().reason, "DATABASE_CLOSED");
+  ASSERT_TRUE(upkeep().reopen());
+  EXPECT_EQ(upkeep().files(), DatabaseFiles::good) << "its own closing is no other program's";
+  ASSERT_TRUE(commit(5));
+  const auto report = store->audit().verify({}, {}).value();
+  EXPECT_TRUE(report.intact()) << report.first.front();
+}
+
+TEST_F(UpkeepTest, AReopeningMakesNoRecordWhereTheFileWasMovedAway) {
+  ASSERT_TRUE(commit(0));
+  fs::rename(path, folder / "elsewhere.db");
+  EXPECT_EQ(upkeep().reopen().error().reason, "DATABASE_MOVED");
+  EXPECT_FALSE(fs::exists(path));
+  fs::rename(folder / "elsewhere.db", path);
+  ASSERT_TRUE(upkeep().reopen());
+  EXPECT_TRUE(commit(1));
+}
+
+TEST_F(UpkeepTest, ACopyThatFindsNoRoomIsNotLeftBehindAndCanBeMadeLater) {
+  for (int row = 0; row < 5; ++row) ASSERT_TRUE(commit(row));
+  fs::rename(path, folder / "elsewhere.db");
+  {
+    const DiskWithoutRoom full;
+    EXPECT_EQ(upkeep().copy_to(folder / "kept.db").error().reason, "DISK_FULL");
+  }
+  EXPECT_FALSE(fs::exists(folder / "kept.db"));
+  EXPECT_FALSE(fs::exists(folder / "kept.db.part"));
+  ASSERT_TRUE(upkeep().copy_to(folder / "kept.db"));
+  EXPECT_EQ(open_store(folder / "kept.db", true)->points().points(run, 0, 0)->size(), 5u);
 }
 
 TEST_F(UpkeepTest, ALogThatWasCutOffIsSeen) {

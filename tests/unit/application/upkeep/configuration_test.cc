@@ -135,6 +135,26 @@ TEST_F(ConfigurationTest, AChangedPartIsAskedAboutBeforeARunContinues) {
               ElementsAre(HasSubstr("the plugs were changed")));
 }
 
+TEST_F(ConfigurationTest, ARunThatIsAcceptedWaitsForTheEndOfTheMovementByHand) {
+  start(text);
+  cell->begin_run(kTrajectory);
+  cell->until([&] { return cell->status().run->run.accepted == 3; });
+  auto& again = start(exchanged());
+  std::optional<Result<void>> homed;
+  again.begin(again->manual.home(again.ada, again.lease(), again.answer()), homed);
+  again.pass(0.5);
+  const int homes = world.homes;
+  ASSERT_FALSE(homed);
+  ASSERT_TRUE(accept());
+  again.until([&] { return homed || world.homes > homes + 1; });
+  ASSERT_TRUE(homed) << "the run drove the axes meanwhile";
+  EXPECT_TRUE(*homed) << homed->error().message;
+  EXPECT_EQ(world.homes, homes + 1);
+  const auto ended = again.finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  EXPECT_EQ(world.homes, homes + 2) << "the run homes after it";
+}
+
 TEST_F(ConfigurationTest, APortOrACommentDoesNotKeepARunWaiting) {
   start(text);
   const auto run = cell->begin_run(kTrajectory).id;

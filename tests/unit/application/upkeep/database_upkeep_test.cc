@@ -4,10 +4,13 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <optional>
+#include <utility>
 
 #include "storage/sqlite/database.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
+#include "tests/unit/storage/sqlite/disk_without_room.h"
 
 namespace driftwise::tests {
 namespace {
@@ -22,11 +25,18 @@ class DatabaseUpkeepInACell : public testing::Test {
   Folder folder;
   const std::string path = folder / "cell.sqlite";
   SmallWorld world;
+  int refused_openings = 0;  // of a store for reading, from now on
+  OpenStore open = [this](const std::string& database,
+                          bool read_only) -> Result<std::unique_ptr<Store>> {
+    if (read_only && refused_openings > 0 && refused_openings-- > 0)
+      return fail(ErrorCode::resource_exhausted, "NO_FILES", "too many open files");
+    return storage::open_sqlite_store(database, read_only, {.vfs = "", .busy_timeout_ms = 0});
+  };
   std::optional<CellInMemory> cell_;
   CellTime begin = kWorldBegin;
 
   CellInMemory& cell() {
-    if (!cell_) cell_.emplace(world, small_cell(path), kSqlite, begin);
+    if (!cell_) cell_.emplace(world, small_cell(path), open, begin);
     return *cell_;
   }
   // Ended in good order and started again, an hour later.
@@ -74,6 +84,71 @@ TEST_F(DatabaseUpkeepInACell, ADeletedLogCostsNothingAndIsToldOf) {
   ASSERT_THAT(alarms("database.log_gone"), SizeIs(1));
   EXPECT_THAT(alarms("database.log_gone").front(), HasSubstr("a new one is in use"));
   EXPECT_TRUE(fs::exists(path + "-wal"));
+}
+
+TEST_F(DatabaseUpkeepInACell, ADeletedLogOnAFullDiskWaitsForRoomAndLosesNothing) {
+  const auto run = begin_and_accept(3);
+  std::optional<storage::DiskWithoutRoom> full(std::in_place);
+  fs::remove(path + "-wal");
+  cell().until([&] { return cell().status().run->run.state == RunState::waiting; }, 300);
+  cell().pass(120);
+  ASSERT_THAT(alarms("database.log_gone"), SizeIs(1));
+  EXPECT_THAT(alarms("database.log_gone").front(), HasSubstr("do not end the daemon"));
+  EXPECT_THAT(alarms("database.log_gone").front(), HasSubstr("the disk is full"));
+  EXPECT_EQ(cell().await(cell().points(run.id, 0, 100))->size(), 3u) << "queries are answered";
+  full.reset();
+  const auto ended = cell().finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  EXPECT_EQ(cell().await(cell().points(run.id, 0, 100))->size(), 8u);
+  EXPECT_THAT(alarms("database.log_gone").front(), HasSubstr("a new one is in use"));
+  EXPECT_THAT(cell().events_named("database.log_gone"), SizeIs(2)) << "that, and its end";
+  EXPECT_THAT(alarms("database.files"), IsEmpty()) << "no other program wrote anything";
+  cell().shut_down();
+  const auto report = (*kSqlite(path, true))->audit().verify({}, {});
+  EXPECT_TRUE(report->intact()) << report->first.front();
+}
+
+TEST_F(DatabaseUpkeepInACell, ADeletedLogUnderAForeignReaderWaitsForItsEndAndLosesNothing) {
+  const auto run = begin_and_accept(2);
+  storage::Database shell(path, SQLITE_OPEN_READONLY, "");
+  shell.execute("BEGIN; SELECT count(*) FROM point");
+  cell().until([&] { return cell().status().run->run.accepted == 3; });
+  fs::remove(path + "-wal");
+  cell().until([&] { return cell().status().run->run.state == RunState::waiting; }, 300);
+  cell().pass(60);
+  EXPECT_THAT(alarms("database.log_gone"),
+              testing::ElementsAre(HasSubstr("another program holds the database")));
+  shell.execute("COMMIT");
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_EQ(cell().await(cell().points(run.id, 0, 100))->size(), 8u);
+}
+
+TEST_F(DatabaseUpkeepInACell, QueriesGoOnAfterAReaderThatCouldNotBeOpenedAtFirst) {
+  const auto run = begin_and_accept(3);
+  refused_openings = 5;
+  fs::remove(path + "-wal");
+  cell().until([&] { return refused_openings < 4; }, 300);
+  const auto told = alarms("database.log_gone");
+  EXPECT_THAT(told, testing::Contains(HasSubstr("queries wait")));
+  EXPECT_THAT(told, testing::Contains(HasSubstr("too many open files")));
+  EXPECT_EQ(cell().await(cell().points(run.id, 0, 3))->size(), 3u);
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(alarms("database.log_gone"), SizeIs(1)) << "nothing waits any more";
+}
+
+TEST_F(DatabaseUpkeepInACell, ACopyThatFoundNoRoomIsMadeWhenThereIsSome) {
+  const auto run = begin_and_accept(3);
+  std::optional<storage::DiskWithoutRoom> full(std::in_place);
+  fs::rename(path, folder / "elsewhere.sqlite");
+  cell().until([&] { return !alarms("database.files").empty(); }, 300);
+  EXPECT_THAT(alarms("database.files").front(), HasSubstr("is tried again every minute"));
+  cell().pass(120);
+  EXPECT_EQ(copy(), "") << "an empty file is no copy";
+  full.reset();
+  cell().pass(90);
+  ASSERT_NE(copy(), "");
+  EXPECT_THAT(alarms("database.files").front(), HasSubstr(copy()));
+  EXPECT_EQ((*kSqlite(copy(), true))->points().points(run.id, 0, 100)->size(), 3u);
 }
 
 TEST_F(DatabaseUpkeepInACell, AMovedFileStopsTheRunUntilItIsBack) {

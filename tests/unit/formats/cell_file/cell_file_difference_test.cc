@@ -283,6 +283,88 @@ INSTANTIATE_TEST_SUITE_P(
                        {"x", "air", "pressure", "humidity"}}),
     [](const auto& row) { return std::string(row.param.name); });
 
+// Three robots of one axis, and three rules that keep them apart.
+std::string three_robots() {
+  std::string text = R"(
+[cell]
+name = "three"
+database = "three.db"
+listen = "127.0.0.1:0"
+)";
+  const std::vector<std::string> ids = {"ma", "mn", "mo"};
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    std::string one = R"(
+[[robot]]
+id = "ID"
+controller = "c-ID"
+[robot.kinematics]
+kind = "linear-axis"
+[[robot.kinematics.axis]]
+motor = "q1_mm"
+pose = "x_mm"
+offset_mm = 0.NR
+[[device]]
+id = "c-ID"
+kind = "pi-gcs"
+address = "10.0.0.NR:50000"
+[[device.axis]]
+channel = "ID.q1_mm"
+device_axis = "X"
+min_mm = 0
+max_mm = 2
+[[device]]
+id = "laser-ID"
+kind = "interferometer-adapter"
+address = "10.0.1.NR:5001"
+length = "ID.x_mm"
+[[keep_out]]
+name = "rule NR"
+min_mm = 0.5
+at_zero_mm = 9
+[[keep_out.axis]]
+channel = "ID.q1_mm"
+per_mm = -1.0
+[[keep_out.axis]]
+channel = "OTHER.q1_mm"
+per_mm = -1.NR
+)";
+    const auto put = [&one](const std::string& word, const std::string& by) {
+      for (auto at = one.find(word); at != std::string::npos; at = one.find(word, at + by.size()))
+        one.replace(at, word.size(), by);
+    };
+    put("ID", ids[i]);
+    put("NR", std::to_string(i + 1));
+    put("OTHER", ids[i == 0 ? 1 : 0]);
+    text += one;
+  }
+  return text;
+}
+
+TEST(CellFileDifference, ACollisionRuleThatIsChangedAsksWhicheverItIs) {
+  const auto before = three_robots();
+  EXPECT_THAT(changes_to(before + "# a comment\n", before), IsEmpty());
+  for (const std::string number : {"1", "2", "3"})
+    EXPECT_THAT(sentences_of(changes_to(
+                    text_with(before, "per_mm = -1." + number, "per_mm = -0.25"), before)),
+                ElementsAre("! keep_out rule " + number + " axis " + (number == "1" ? "mn" : "ma") +
+                            ".q1_mm: per_mm -1." + number + " -> -0.25"));
+}
+
+TEST(CellFileDifference, TheGeometryOfARobotThatIsChangedAsksWhicheverItIs) {
+  const auto before = three_robots();
+  int number = 0;
+  for (const std::string id : {"ma", "mn", "mo"}) {
+    const std::string offset = "0." + std::to_string(++number);
+    const auto found =
+        changes_to(text_with(before, "offset_mm = " + offset, "offset_mm = 0.7"), before);
+    // That of the first robot stands in the description too.
+    ASSERT_THAT(sentences_of(found),
+                testing::Contains("! robot " + id + " kinematics axis q1_mm: " + "offset_mm " +
+                                  offset + " -> 0.7"));
+    EXPECT_THAT(found.back().affects, ElementsAre(id + ".q1"));
+  }
+}
+
 TEST(CellFileDifference, AProbeThatIsGoneAsks) {
   const auto probe = kDifferenceCell.find("  [[device.probe]]\n  channel = \"t07_degC\"");
   auto after = kDifferenceCell;

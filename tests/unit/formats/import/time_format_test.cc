@@ -40,6 +40,10 @@ INSTANTIATE_TEST_SUITE_P(
         TimeCase{"Percent", "%%%Y-%m-%d", 0, "%2026-01-02", "2026-01-02T00:00:00Z"},
         TimeCase{"Unix", "unix_s", 0, "1595515144.25", "2020-07-23T14:39:04.25Z"},
         TimeCase{"UnixMs", "unix_ms", 0, "1595515144250", "2020-07-23T14:39:04.25Z"},
+        TimeCase{"UnixNs", "unix_ns", 0, "1595515144250000100", "2020-07-23T14:39:04.2500001Z"},
+        TimeCase{"UnixNsOdd", "unix_ns", 0, "1595515144250000001",
+                 "2020-07-23T14:39:04.250000001Z"},
+        TimeCase{"UnixNsBefore", "unix_ns", 0, "-1", "1969-12-31T23:59:59.999999999Z"},
         // 2020-01-01 is day 43831 of Excel's calendar; 3660681600 s after 1904.
         TimeCase{"Excel", "excel_days", 1, "43831.5", "2020-01-01T11:00:00Z"},
         TimeCase{"LabView", "labview_s", 0, "3660681600", "2020-01-01T00:00:00Z"},
