@@ -1,7 +1,8 @@
 // The bar of every view: whose cell, where to, whether it is live, and Stop, apart from everything else. On a phone the
 // views are at the bottom, so that Stop and they are at opposite ends.
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { cell } from '@/live/state';
+import { Dialog } from '@/ui/dialog';
 import { helpOpen } from './keys';
 import { LiveDot } from './live_dot';
 import { askName } from './name';
@@ -44,13 +45,8 @@ const first = ['now', 'runs', 'instruments'];
 
 export function BottomTabs({ current }: { current: ViewEntry | undefined }) {
   const [open, setOpen] = useState(false);
-  const more = useRef<HTMLDialogElement>(null);
   const at = place.value;
   useEffect(() => setOpen(false), [at]);
-  useEffect(() => {
-    if (open) more.current?.showModal();
-    else more.current?.close();
-  }, [open]);
   const inMore = current !== undefined && !first.includes(current.name);
   return (
     <nav class="tabs-bottom" aria-label="Views, phone">
@@ -61,15 +57,13 @@ export function BottomTabs({ current }: { current: ViewEntry | undefined }) {
         })}
         <li><button type="button" aria-haspopup="dialog" aria-current={inMore ? 'page' : undefined} onClick={() => setOpen(true)}>More</button></li>
       </ul>
-      <dialog ref={more} class="more-views" aria-label="More views" onClose={() => setOpen(false)} onClick={(event) => event.target === more.current && setOpen(false)}>
-        {open && (
-          <ul>
-            {views.filter((view) => !first.includes(view.name)).map((view) => <li key={view.name}><ViewLink view={view} current={view === current} /></li>)}
-            <li><button type="button" onClick={() => { setOpen(false); helpOpen.value = true; }}>Settings, name, colours</button></li>
-            <li><button type="button" onClick={() => setOpen(false)}>Close</button></li>
-          </ul>
-        )}
-      </dialog>
+      <Dialog subject={open} class="more-views" label="More views" lightly onEnd={() => setOpen(false)}>
+        <ul>
+          {views.filter((view) => !first.includes(view.name)).map((view) => <li key={view.name}><ViewLink view={view} current={view === current} /></li>)}
+          <li><button type="button" onClick={() => { setOpen(false); helpOpen.value = true; }}>Settings, name, colours</button></li>
+          <li><button type="button" onClick={() => setOpen(false)}>Close</button></li>
+        </ul>
+      </Dialog>
     </nav>
   );
 }

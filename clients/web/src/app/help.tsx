@@ -1,6 +1,6 @@
 // What the keys do, who sits here, how the page looks.
-import { useEffect, useRef } from 'preact/hooks';
 import { Button } from '@/ui/button';
+import { Dialog } from '@/ui/dialog';
 import type { DatabaseStatus } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { dateClock, ms } from '@/format/time';
 import { cell } from '@/live/state';
@@ -18,16 +18,10 @@ const others: readonly [string, string][] = [
 ];
 
 export function HelpDialog() {
-  const dialog = useRef<HTMLDialogElement>(null);
-  const open = helpOpen.value;
-  useEffect(() => {
-    if (open) dialog.current?.showModal();
-    else dialog.current?.close();
-  }, [open]);
   return (
-    <dialog ref={dialog} aria-labelledby="help-title" onClose={() => (helpOpen.value = false)}>
-      {open && <HelpContent />}
-    </dialog>
+    <Dialog subject={helpOpen.value} titleId="help-title" onEnd={() => (helpOpen.value = false)}>
+      <HelpContent />
+    </Dialog>
   );
 }
 

@@ -1,7 +1,8 @@
 // Asks for the operator's name: once, before the first command. It stands in the record beside what was done.
 import { signal } from '@preact/signals';
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useState } from 'preact/hooks';
 import { Button } from '@/ui/button';
+import { Dialog } from '@/ui/dialog';
 import { dateClock } from '@/format/time';
 import { Field } from '@/ui/field';
 import { logOut, operatorName, session, setOperatorName } from './session';
@@ -17,20 +18,15 @@ export function askName(): Promise<boolean> {
 export const named = (): Promise<boolean> => (operatorName.value === '' ? askName() : Promise.resolve(true));
 
 export function NameDialog() {
-  const dialog = useRef<HTMLDialogElement>(null);
   const now = asked.value;
-  useEffect(() => {
-    if (now) dialog.current?.showModal();
-    else dialog.current?.close();
-  }, [now]);
   const answer = (given: boolean) => {
     asked.value = undefined;
     now?.(given);
   };
   return (
-    <dialog ref={dialog} aria-labelledby="name-title" onCancel={(event) => { event.preventDefault(); answer(false); }}>
+    <Dialog subject={now} titleId="name-title" onEnd={() => answer(false)}>
       {now && (session.value.state === 'in' ? <WhoIsLoggedIn close={() => answer(true)} /> : <NameForm answer={answer} />)}
-    </dialog>
+    </Dialog>
   );
 }
 

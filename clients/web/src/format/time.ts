@@ -40,11 +40,16 @@ export function duration(seconds: number | undefined): string {
   if (s < 86400) return `${Math.floor(s / 3600)} h ${two(Math.floor((s % 3600) / 60))} min`;
   return `${Math.floor(s / 86400)} d ${Math.floor((s % 86400) / 3600)} h`;
 }
-// For addresses: "2011-05-13T05:40:12Z" and back.
+// For addresses and fields: "2011-05-13T05:40:12Z" and back. What is read is what the daemon reads (server/core/cell_time.h), and
+// nothing else: Date.parse takes the browser's zone where there is no Z, and makes a date of "1".
+const instant = /^(\d{4})-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d{1,9})?Z$/;
 export const utc = (atMs: number): string => new Date(atMs).toISOString().replace(/\.000Z$/, 'Z');
 export function fromUtc(text: string | undefined): number | undefined {
-  const at = text === undefined ? NaN : Date.parse(text);
-  return Number.isNaN(at) ? undefined : at;
+  const year = Number(instant.exec(text ?? '')?.[1]);
+  if (!(year >= 1970 && year <= 2261)) return undefined;
+  const at = Date.parse(text!);
+  // The 30th of February and 24:00 become another day.
+  return !Number.isNaN(at) && utc(at).slice(0, 19) === text!.slice(0, 19) ? at : undefined;
 }
 
 // The last midnight in UTC, where axes of time of day start.

@@ -1,10 +1,11 @@
 // What stands now and what nobody has acknowledged: asked once, then as it happens. Each alarm is acknowledged by itself.
 import { signal } from '@preact/signals';
-import { useMemo } from 'preact/hooks';
+import { useEffect, useMemo } from 'preact/hooks';
 import { api } from '@/api/client';
 import { Alarm_Level, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { say } from '@/app/live_region';
 import { useAsked, type Asked } from '@/ui/use_asked';
+import { connection } from './connection';
 import { useEvents } from './events';
 
 export const levelWords: Record<Alarm_Level, string> = {
@@ -26,7 +27,10 @@ const inOrder = (a: Alarm, b: Alarm): number =>
 
 export const stands = (alarm: Alarm): boolean => alarm.clearedTime === undefined || alarm.acknowledgeTime === undefined;
 
-// Asks for itself: one watcher, so that a new alarm is said once.
+const askAgainMs = 2000;
+
+// Asks for itself: one watcher, so that a new alarm is said once. The stream brings only what changes: without the list that it
+// changes there is no alarm on the page. So a list that could not be had is asked for until it is there, by a hidden page too.
 export function useAlarms(): Asked<Alarm[]> {
   const asked = useAsked('alarms', async (signal) => (await api.watch().listAlarms({}, { signal })).alarms);
   useEvents('alarm', (alarm) => {
@@ -40,6 +44,12 @@ export function useAlarms(): Asked<Alarm[]> {
       return [alarm, ...old.filter((one) => one.id !== alarm.id)].filter(stands);
     });
   });
+  const live = connection.value.phase === 'live';
+  useEffect(() => {
+    if (!live || asked.failure === undefined || asked.waiting) return undefined;
+    const timer = setTimeout(asked.again, askAgainMs);
+    return () => clearTimeout(timer);
+  }, [live, asked.failure, asked.waiting]);
   const sorted = useMemo(
     () => asked.value && [...asked.value].sort(inOrder),
     [asked.value],

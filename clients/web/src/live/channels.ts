@@ -10,7 +10,7 @@ export interface Channel {
   value: Signal<number>; // NaN: never read, or not measured
   ageS: Signal<number>; // cell time since it was measured; Infinity: never
   stale: ReadonlySignal<boolean>; // older than its limit, or the page is not live
-  measuredMs: number; // cell time of the value that is painted; -Infinity: never
+  measuredMs: number; // of the value that is painted, in heard time; -Infinity: never
 }
 
 // News of a channel in one update: [value, its cell time]; undefined: the update does not have the channel.
@@ -23,7 +23,15 @@ const places = new Map<string, number>(); // in the values of an update
 const hearers = new Set<(brought: Brought) => void>();
 let revision = -1n;
 let waiting: { values: number[]; measuredMs: number[] } | undefined;
-let cellNowMs = 0;
+
+// Cell time that was heard to pass. Cell time on the stream is UTC: a clock that is set back lets it run back, and ages must go
+// on all the same.
+let heardMs = 0;
+let cellNowMs: number | undefined; // at the last batch
+
+// How often cell time ran back by more than the jitter of a clock that is held right: what is in order of time begins anew.
+export const stepsBack = signal(0);
+const jitterMs = 1000;
 
 // Calls what is given for every update, also for those that are painted by nobody; returns what ends it.
 export function onValues(hearer: (brought: Brought) => void): () => void {
@@ -59,21 +67,24 @@ export function takeLayout(from: ChannelLayout): void {
 
 export function takeValues(update: ValuesUpdate, cellTimeMs: number): void {
   if (update.layoutRevision !== revision) return; // its layout comes first; without it nobody knows what these are
-  const measuredMs = update.ageMs.map((age) => (age < 0n ? -Infinity : cellTimeMs - Number(age)));
-  waiting = { values: update.values, measuredMs };
+  const before = (nowMs: number, age: bigint) => (age < 0n ? -Infinity : nowMs - Number(age));
+  waiting = { values: update.values, measuredMs: update.ageMs.map((age) => before(heardMs, age)) };
   const brought: Brought = (name) => {
     const at = places.get(name);
-    return at === undefined ? undefined : [update.values[at], measuredMs[at]];
+    return at === undefined ? undefined : [update.values[at], before(cellTimeMs, update.ageMs[at])];
   };
   for (const hearer of hearers) hearer(brought);
 }
 
 export function takeCellTime(ms: number): void {
-  cellNowMs = Math.max(cellNowMs, ms);
+  const passedMs = ms - (cellNowMs ?? ms);
+  cellNowMs = ms;
+  heardMs += Math.max(0, passedMs);
+  if (passedMs < -jitterMs) stepsBack.value++;
 }
 
 export function resetCellTime(): void {
-  cellNowMs = 0;
+  cellNowMs = undefined;
 }
 
 // Called by the painter. Ages grow with the daemon's clock even when no value comes.
@@ -86,5 +97,5 @@ export function paintChannels(): void {
     }
     waiting = undefined;
   }
-  for (const one of all) one.ageS.value = Math.max(0, (cellNowMs - one.measuredMs) / 1000);
+  for (const one of all) one.ageS.value = Math.max(0, (heardMs - one.measuredMs) / 1000);
 }

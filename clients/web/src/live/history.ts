@@ -2,7 +2,7 @@
 // starts with the whole picture; what comes live is put behind it until the record is asked again.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { failureOf, type Failure } from '@/api/errors';
-import { channel, onValues, type Brought } from './channels';
+import { channel, onValues, stepsBack, type Brought } from './channels';
 import { connection } from './connection';
 import { plotTick } from './paint';
 import { streamBegun } from './ready';
@@ -30,10 +30,13 @@ export function usualStep(at: readonly number[]): number {
   return steps[steps.length >> 1] ?? 0;
 }
 
-class Tail {
+export class Tail {
   private readonly of = new Map<string, { atMs: number[]; value: number[] }>();
+  private steps = stepsBack.peek();
 
   take(names: readonly string[], brought: Brought): void {
+    if (this.steps !== stepsBack.peek()) this.of.clear(); // it holds times that are still to come
+    this.steps = stepsBack.peek();
     for (const name of names) {
       const [value, measuredMs] = brought(name) ?? [NaN, -Infinity];
       if (!Number.isFinite(measuredMs)) continue;
@@ -86,6 +89,7 @@ export function useHistory(given: readonly string[], windowS: number, buckets: n
   const [turn, setTurn] = useState(0);
   const tail = useRef(new Tail());
   const live = connection.value.phase === 'live';
+  const steps = stepsBack.value;
   useEffect(() => {
     if (names.length === 0) return undefined;
     const abort = new AbortController();
@@ -111,7 +115,7 @@ export function useHistory(given: readonly string[], windowS: number, buckets: n
       abort.abort();
       clearInterval(timer);
     };
-  }, [key, windowS, buckets, turn, live]);
+  }, [key, windowS, buckets, turn, live, steps]);
 
   // Every update, not every painting: those are too far apart for the pictures of a fast cell.
   useEffect(() => onValues((brought) => tail.current.take(names, brought)), [key]);

@@ -1,8 +1,8 @@
 // Asks once before something moves, heats or discards. The harmless button has the focus, Esc means it.
 import { signal, type ReadonlySignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
-import { useEffect, useRef } from 'preact/hooks';
 import { Button } from './button';
+import { Dialog } from './dialog';
 import { Field } from './field';
 
 export interface Question {
@@ -29,20 +29,13 @@ export function ReasonField({ label, reason }: { label: string; reason: { value:
 
 // Stands once in the shell.
 export function ConfirmDialog() {
-  const dialog = useRef<HTMLDialogElement>(null);
   const now = asked.value;
-  useEffect(() => {
-    if (now) {
-      dialog.current?.showModal();
-      dialog.current?.querySelector<HTMLButtonElement>('[data-harmless] button')?.focus();
-    } else dialog.current?.close();
-  }, [now]);
   const answer = (yes: boolean) => {
     asked.value = undefined;
     now?.answer(yes);
   };
   return (
-    <dialog ref={dialog} aria-labelledby="confirm-title" onCancel={(event) => { event.preventDefault(); answer(false); }}>
+    <Dialog subject={now} titleId="confirm-title" onEnd={() => answer(false)}>
       {now && (
         <>
           <h2 id="confirm-title">{now.question.title}</h2>
@@ -58,6 +51,6 @@ export function ConfirmDialog() {
           </div>
         </>
       )}
-    </dialog>
+    </Dialog>
   );
 }

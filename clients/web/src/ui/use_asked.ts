@@ -2,6 +2,7 @@
 // subject changed (another key), when they go at once.
 import { useCallback, useEffect, useRef, useState } from 'preact/hooks';
 import { failureOf, wasCancelled, type Failure } from '@/api/errors';
+import { connection } from '@/live/connection';
 import { epoch } from '@/live/epoch';
 import { streamBegun } from '@/live/ready';
 
@@ -13,7 +14,8 @@ export interface Asked<T> {
   set: (change: (before: T) => T) => void; // merge what the stream says; may be applied twice, so it goes by ids
 }
 
-// key: everything that the question depends on, as text; undefined asks nothing. Asks anew when the page loads afresh.
+// key: everything that the question depends on, as text; undefined asks nothing. Asks anew when the page loads afresh, and when
+// it becomes live again after an answer that failed.
 export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) => Promise<T>): Asked<T> {
   const [state, setState] = useState<{ key?: string; value?: T; failure?: Failure; waiting: boolean }>({ waiting: true });
   const [turn, setTurn] = useState(0);
@@ -22,6 +24,19 @@ export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) 
   // Changes since the question was sent: its answer may be older than they are.
   const meanwhile = useRef<((before: T) => T)[] | undefined>(undefined);
   const freshness = epoch.value;
+  const live = connection.value.phase === 'live';
+  const timesLive = useRef(0); // how often the page became live
+  const failed = useRef(false);
+  failed.current = state.failure !== undefined && !state.waiting;
+  const again = useCallback(() => {
+    setState((old) => ({ ...old, waiting: true })); // at once: the effect that asks may come later than who asks again
+    setTurn((n) => n + 1);
+  }, []);
+  useEffect(() => {
+    if (!live) return;
+    timesLive.current++;
+    if (failed.current) again();
+  }, [live]);
   useEffect(() => {
     meanwhile.current = undefined;
     if (key === undefined) {
@@ -29,6 +44,7 @@ export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) 
       return;
     }
     const abort = new AbortController();
+    const askedAt = timesLive.current;
     const changes: ((before: T) => T)[] = (meanwhile.current = []);
     setState((old) => (old.key === key ? { ...old, waiting: true } : { key, waiting: true }));
     streamBegun()
@@ -43,14 +59,11 @@ export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) 
           if (abort.signal.aborted || wasCancelled(error)) return;
           meanwhile.current = undefined;
           setState((old) => ({ ...old, key, failure: failureOf(error), waiting: false }));
+          if (timesLive.current !== askedAt) again(); // it was asked before the page became live
         },
       );
     return () => abort.abort();
   }, [key, turn, freshness]);
-  const again = useCallback(() => {
-    setState((old) => ({ ...old, waiting: true })); // at once: the effect that asks may come later than who asks again
-    setTurn((n) => n + 1);
-  }, []);
   const set = useCallback(
     (change: (before: T) => T) => {
       meanwhile.current?.push(change);

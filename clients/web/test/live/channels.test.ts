@@ -30,6 +30,22 @@ describe('a channel', () => {
     expect(channel('t01_degC')!.stale.value).toBe(true);
     expect(channel('t01_degC')!.ageS.value).toBe(31);
   });
+  it('keeps its age when the daemon’s clock is set back, and goes on ageing', () => {
+    const hour = 3600 * second;
+    const ages: number[] = [];
+    for (const [atMs, value] of [[10 * hour, 21], [9 * hour, 22], [9.5 * hour, 23]]) {
+      take(atMs, [value, value], [200n, 200n]);
+      expect(channel('t01_degC')!.value.value).toBe(value);
+      expect(channel('t01_degC')!.stale.value).toBe(false);
+      ages.push(channel('t01_degC')!.ageS.value);
+    }
+    expect(ages).toEqual([0.2, 0.2, 0.2]);
+    takeCellTime(8 * hour); // a heartbeat after the next step back: no time is known to have passed
+    takeCellTime(8 * hour + 31 * second);
+    paintChannels();
+    expect(channel('t01_degC')!.ageS.value).toBe(31.2);
+    expect(channel('t01_degC')!.stale.value).toBe(true);
+  });
   it('is stale when the page is not live, and when it was never read', () => {
     take(100 * second, [21.5, NaN], [0n, -1n]);
     expect(channel('t02_degC')!.stale.value).toBe(true);

@@ -1,20 +1,22 @@
 // Manual, Commissioning and Look back before a daemon in memory.
 import { create } from '@bufbuild/protobuf';
-import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
+import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
+import { act, cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { CheckVerdict, CommissioningService } from '@/api/gen/driftwise/v1/commissioning_service_pb';
 import { LookBackService } from '@/api/gen/driftwise/v1/look_back_service_pb';
-import { WatchService } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { ChannelLayoutSchema, ValuesUpdateSchema, WatchService } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { go } from '@/app/router';
 import { operatorName } from '@/app/session';
+import { paintChannels, takeLayout, takeValues } from '@/live/channels';
 import { connection } from '@/live/connection';
 import { cell, progress } from '@/live/state';
 import { runsTyped } from '@/views/lookback/compare';
 import { overlays } from '@/views/lookback/specs';
 import Commissioning from '@/views/commissioning/view';
+import { isOptical } from '@/views/manual/light';
 import Manual from '@/views/manual/view';
 import { settledK } from '@/parts/settled';
 import { Receivers } from '@/views/record/receivers';
@@ -22,13 +24,18 @@ import { Receivers } from '@/views/record/receivers';
 const begun = vi.fn();
 const signs = vi.fn();
 const ended = vi.fn();
+let lose = false; // the answers to signs of life
 const jog = (over: boolean) => ({ id: 7n, over, released: over, endReason: over ? 'let go' : '', positions: [{ channel: 'q1_mm', positionMm: 1.25 }], stepCount: 3n });
 
 const daemon = () => createRouterTransport(({ service }) => {
   service(CellService, { takeLease: () => ({ lease: { token: 'mine' } }), giveUpLease: () => ({}), getStabiliser: () => ({ settledBandK: 0.02 }) });
   service(CommissioningService, {
     beginJog: (request) => (begun(request.channel, request.stepMm, request.held), { jog: jog(false) }),
-    holdJog: () => (signs(), { jog: jog(false) }),
+    holdJog: () => {
+      signs();
+      if (lose) throw new ConnectError('reset', Code.Unavailable);
+      return { jog: jog(false) };
+    },
     endJog: () => (ended(), { jog: jog(true) }),
     checkCell: () => ({
       verdict: CheckVerdict.BAD,
@@ -48,6 +55,7 @@ const daemon = () => createRouterTransport(({ service }) => {
 
 beforeEach(() => {
   vi.clearAllMocks();
+  lose = false;
   operatorName.value = 'Anna';
   useTransport(daemon());
   connection.value = { phase: 'live' };
@@ -60,6 +68,36 @@ afterEach(cleanup);
 // jsdom's pointer events have no button.
 const pointer = (on: HTMLElement, what: string) => fireEvent(on, new MouseEvent(what, { button: 0, bubbles: true }));
 const button = () => screen.findByRole('button', { name: /^Hold to move q1_mm up/ });
+
+describe('positions', () => {
+  const valuesOf = (value: number) => {
+    takeLayout(create(ChannelLayoutSchema, { revision: 1n, columns: [{ channel: 'q1_mm', unit: 'mm', staleAfterS: 10 }] }));
+    takeValues(create(ValuesUpdateSchema, { layoutRevision: 1n, values: [value], ageMs: [0n] }), 1000);
+    act(paintChannels);
+  };
+  it('are those of the channel again after an answer of a movement was lost', async () => {
+    valuesOf(1);
+    render(<Manual />);
+    lose = true;
+    pointer(await button(), 'pointerdown');
+    expect(await screen.findByText(/The daemon did not answer/)).toBeTruthy();
+    pointer(await button(), 'pointerup');
+    valuesOf(-2);
+    expect(await screen.findByText('−2.000000 mm')).toBeTruthy();
+    expect(screen.queryByText('1.250000 mm')).toBeNull();
+  });
+  it('are hatched when they are stale', async () => {
+    valuesOf(1);
+    render(<Manual />);
+    expect((await screen.findByText('1.000000 mm')).classList.contains('stale')).toBe(false);
+    act(() => void (connection.value = { phase: 'lost', lastMs: 0 }));
+    expect(screen.getByText('1.000000 mm').classList.contains('stale')).toBe(true);
+  });
+});
+
+it('takes no motor coordinate for an optical channel, whichever robot it is of', () => {
+  expect(['q1_mm', 'mn.q1_mm', 'x_mm', 'mn.x_mm', 'mn.rx_arcsec', 'level_pct', 'mn.t01_degC'].filter(isOptical)).toEqual(['x_mm', 'mn.x_mm', 'mn.rx_arcsec', 'level_pct']);
+});
 
 describe('a held button', () => {
   it('begins a movement, signs while it is down, and ends it when it is let go', async () => {

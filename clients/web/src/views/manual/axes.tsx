@@ -9,6 +9,7 @@ import { withLease } from '@/app/lease';
 import { named } from '@/app/name';
 import { fixed } from '@/format/numbers';
 import { channel } from '@/live/channels';
+import { connection } from '@/live/connection';
 import { cell, cellTimeMs, progress } from '@/live/state';
 import { askAboutHold, type HoldAnswer } from '@/parts/hold_question';
 import { CommandButton } from '@/ui/button';
@@ -66,9 +67,15 @@ export function Axes() {
       setFailure(failureOf(error));
     } finally {
       held.current = undefined;
+      setState((last) => (last?.over ? last : undefined)); // an answer was lost: where the axis is, only its channel knows now
     }
   };
-  const position = (name: string) => state?.over === false ? (state.positions.find((one) => one.channel === name)?.positionMm ?? NaN) : (channel(name)?.value.value ?? NaN);
+  // Of the movement under way, which is read more often than the channel, or the channel's; stale: not known to be the present one.
+  const position = (name: string): { mm: number; stale: boolean } => {
+    if (held.current && state?.over === false) return { mm: state.positions.find((one) => one.channel === name)?.positionMm ?? NaN, stale: connection.value.phase !== 'live' };
+    const live = channel(name);
+    return { mm: live?.value.value ?? NaN, stale: live?.stale.value ?? true };
+  };
   const off = offWhy() ?? (needsAnswer ? 'A run stands: say first that the axes may move' : undefined);
   return (
     <Panel title="Axes" actions={<CommandButton busy={home.busy} off={offWhy()} onPress={() => void home.send()}>Home…</CommandButton>}>
@@ -82,11 +89,11 @@ export function Axes() {
         </select>
       </label>
       {axes.map((axis) => {
-        const at = position(axis.channel);
+        const { mm: at, stale } = position(axis.channel);
         return (
           <div class="jog-axis" key={axis.channel}>
             <b>{axis.channel.replace(/_mm$/, '')}</b>
-            <span class="number">{fixed(at, 6)} mm</span>
+            <span class={`number${stale ? ' stale muted' : ''}`} title={stale ? 'stale: not the position of now' : undefined}>{fixed(at, 6)} mm</span>
             <meter min={axis.minMm} max={axis.maxMm} value={Number.isFinite(at) ? at : axis.minMm} aria-label={`${axis.channel} between ${axis.minMm} and ${axis.maxMm} mm`} />
             <span class="muted nowrap">{limit(axis.minMm)} to {limit(axis.maxMm)} mm</span>
             <JogButton label={`Hold to move ${axis.channel} down, − ${stepText(stepMm)}`} text={`− ${stepText(stepMm)}`} off={off} press={() => void press(axis, -1)} release={() => held.current?.release()} />

@@ -2,19 +2,20 @@
 import { useEffect, useState } from 'preact/hooks';
 import { fixed } from '@/format/numbers';
 import { splitChannel, unitSign } from '@/format/units';
-import { layout, type Channel } from '@/live/channels';
+import { layout } from '@/live/channels';
 import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
 import { Empty } from '@/ui/states';
 import { Table } from '@/ui/table';
 
 const unitOf = (name: string) => unitSign(splitChannel(name).unit);
-const isOptical = ({ name }: Channel) => name.includes('level_pct') || name.endsWith('_arcsec') || (name.endsWith('_mm') && !/^q\d/.test(name));
+const ofAxis = (name: string) => /^q\d/.test(name.slice(name.lastIndexOf('.') + 1)); // "mn.q1_mm": of the robot mn
+export const isOptical = (name: string) => name.includes('level_pct') || name.endsWith('_arcsec') || (name.endsWith('_mm') && !ofAxis(name));
 const digitsOf = (name: string) => (name.endsWith('_mm') ? 6 : name.endsWith('_pct') ? 1 : 2);
 const sizeOf = (name: string, value: number) => (name.endsWith('_pct') ? value : Math.abs(value));
 
 export function Light() {
-  const channels = layout.value.filter(isOptical);
+  const channels = layout.value.filter((one) => isOptical(one.name));
   const [most, setMost] = useState<Record<string, number>>({});
   const now = channels.map((one) => [one.name, one.value.value] as const);
   useEffect(() => {

@@ -69,14 +69,15 @@ const linesShown = 3;
 export function AlarmList() {
   const alarms = standing.value;
   const [all, setAll] = useState(false);
-  if (alarms?.failure) return <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
-  if (!alarms?.value?.length) return null;
+  const failed = alarms?.failure && <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
+  if (!alarms?.value?.length) return failed ?? null;
   const taken = (alarm: Alarm) => alarms.set((old) => old.map((one) => (one.id === alarm.id ? alarm : one)));
   const lasting = alarms.value.filter((alarm) => !alarm.clearedTime && !alarm.shelvedUntilTime);
   const shown = all ? alarms.value : alarms.value.slice(0, Math.max(linesShown, lasting.length));
   const more = alarms.value.length - shown.length;
   return (
     <>
+      {failed}
       <ul class="alarms" aria-label="What needs attention">{shown.map((alarm) => <AlarmLine key={String(alarm.id)} alarm={alarm} taken={taken} />)}</ul>
       {more > 0 && <p><Button small onPress={() => setAll(true)}>Show {more} more that are over{alarms.value.some((one) => one.shelvedUntilTime) && ' or shelved'}</Button></p>}
       <AcknowledgeAll alarms={alarms.value} taken={taken} />
@@ -88,11 +89,12 @@ export function AlarmList() {
 // Across a room: above everything else, without controls.
 export function WallAlarms() {
   const alarms = standing.value;
-  if (alarms?.failure) return <Failed asked="List the alarms" failure={alarms.failure} />;
-  if (!alarms?.value?.length) return null;
+  const failed = alarms?.failure && <Failed asked="List the alarms" failure={alarms.failure} />;
+  if (!alarms?.value?.length) return failed ?? null;
   const more = alarms.value.length - linesShown;
   return (
     <section aria-label="What needs attention">
+      {failed}
       <ul class="alarms">{alarms.value.slice(0, linesShown).map((alarm) => <li key={String(alarm.id)} class={classOf(alarm)}><Words alarm={alarm} /></li>)}</ul>
       {more > 0 && <p>and {more} more {more === 1 ? 'alarm' : 'alarms'}</p>}
     </section>

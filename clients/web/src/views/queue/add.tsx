@@ -1,17 +1,19 @@
 // Adds a campaign from the trajectories that the daemon keeps.
 import { useState } from 'preact/hooks';
 import { trajectoryApi } from '@/api/trajectory';
+import { count } from '@/format/numbers';
 import { fromUtc, timestampOf } from '@/format/time';
 import { SetupChoice, useSetups } from '@/parts/setup_choice';
 import { CommandButton } from '@/ui/button';
+import { confirm } from '@/ui/confirm';
 import { Field, numberTyped } from '@/ui/field';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
 import { queueApi } from './api';
-import { metadataTyped } from './words';
+import { metadataTyped, startWords, type Terms } from './words';
 
-export function AddEntry({ onAdded }: { onAdded: () => void }) {
+export function AddEntry({ onAdded, startsAtOnce }: { onAdded: () => void; startsAtOnce: (terms: Terms) => boolean }) {
   const kept = useAsked('kept trajectories', async (signal) => (await trajectoryApi().listTrajectories({}, { signal })).trajectories);
   const [which, setWhich] = useState('');
   const [name, setName] = useState('');
@@ -27,9 +29,10 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
   const [setsAside, setSetsAside] = useState(false);
   const [requestId, setRequestId] = useState(() => crypto.randomUUID()); // a second press is the same entry
   const number = numberTyped(priority);
+  const notBeforeMs = fromUtc(notBefore.trim());
   const wrong = {
     priority: number === undefined || !Number.isInteger(number) || Math.abs(number) > 1000 ? 'a whole number from -1000 to 1000' : undefined,
-    notBefore: notBefore !== '' && fromUtc(notBefore) === undefined ? 'UTC as 2026-11-22T23:00:00Z' : undefined,
+    notBefore: notBefore.trim() !== '' && notBeforeMs === undefined ? 'UTC as 2026-11-22T23:00:00Z' : undefined,
     after: after !== '' && !/^[1-9]\d*$/.test(after) ? 'the number of an entry' : undefined,
     every: every !== '' && !((numberTyped(every) ?? 0) > 0) ? 'a number above 0' : undefined,
     meta: metadataTyped(meta) ? undefined : 'key=value, parted by commas',
@@ -37,10 +40,15 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
   const off = which === '' ? 'Choose a trajectory first' : Object.values(wrong).find(Boolean);
   const add = useCommand(async () => {
     const { trajectory } = await trajectoryApi().getTrajectory({ trajectoryId: BigInt(which) });
+    const yes = !startsAtOnce({ notBeforeMs, afterEntryId: after ? BigInt(after) : undefined }) || (await confirm({
+      title: `Add "${name.trim() || trajectory!.name}" to the queue?`, verb: 'Add it', keep: 'Do not add it',
+      facts: [['trajectory', `${trajectory!.name}, ${count(trajectory!.rowCount)} rows`], ['starts', startWords(condition.trim())]],
+    }));
+    if (!yes) return;
     await queueApi().addQueueEntry({
       name: name.trim(), trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, priority: number!, condition: condition.trim(), setAsideOnFailure: setsAside,
       followUps: then.split('\n').map((line) => line.trim()).filter(Boolean), metadata: metadataTyped(meta)!, requestId, setup,
-      ...(notBefore ? { notBeforeTime: timestampOf(fromUtc(notBefore)!) } : {}),
+      ...(notBeforeMs === undefined ? {} : { notBeforeTime: timestampOf(notBeforeMs) }),
       ...(after ? { afterEntryId: BigInt(after) } : {}),
       ...(every ? { repeatDuration: { seconds: BigInt(Math.round(numberTyped(every)! * 3600)), nanos: 0 } } : {}),
     });
@@ -76,7 +84,7 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
             <textarea class="input mono" rows={3} value={then} placeholder={'fit:q ~ x + x^2\ndiagnose\nreport\nnotify'} onInput={(event) => setThen(event.currentTarget.value)} />
           </label>
           <label><input type="checkbox" checked={setsAside} onChange={(event) => setSetsAside(event.currentTarget.checked)} /> set aside on failure, and start the next one</label>
-          <div class="actions"><CommandButton kind="main" busy={add.busy} off={off} onPress={() => void add.send()}>Add to the queue</CommandButton></div>
+          <div class="actions"><CommandButton kind="main" busy={add.busy} off={off} onPress={() => void add.send()}>Add to the queue…</CommandButton></div>
           {add.failure && <Failed asked="Add the campaign" failure={add.failure} />}
         </div>
       )}

@@ -5,7 +5,9 @@ import { count } from '@/format/numbers';
 import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
 import { ReportButton } from '@/parts/report_button';
 import { bandText, endBandText } from '@/trajectory/estimate';
+import { serverTimeMs } from '@/live/connection';
 import { useEvents } from '@/live/events';
+import { progress } from '@/live/state';
 import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Panel } from '@/ui/panel';
@@ -18,7 +20,7 @@ import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { AddEntry } from './add';
 import { queueApi } from './api';
-import { entryWords, isOverEntry, metadataText, termsOf } from './words';
+import { entryWords, isOverEntry, mayStartAtOnce, metadataText, startWords, termsOf, type Terms } from './words';
 
 const lookEvery_ms = 5000; // why an entry waits changes with the room
 
@@ -69,6 +71,17 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
     await queueApi().moveQueueEntry({ entryId, ...(beforeEntryId === undefined ? {} : { beforeEntryId }) });
     again();
   });
+  const startsAtOnce = (terms: Terms) => mayStartAtOnce(terms, queue, progress.peek()?.run, serverTimeMs.peek() ?? Date.now());
+  const putBack = useCommand(async (entry: QueueEntry) => {
+    const terms = { notBeforeMs: ms(entry.notBeforeTime), afterEntryId: entry.afterEntryId };
+    const yes = !startsAtOnce(terms) || (await confirm({
+      title: `Put entry ${entry.id} "${entry.name}" back?`, verb: 'Put it back', keep: 'Leave it aside',
+      facts: [['trajectory', `${entry.trajectoryName}, ${count(entry.rowCount)} rows`], ['starts', startWords(entry.condition)]],
+    }));
+    if (!yes) return;
+    await queueApi().moveQueueEntry({ entryId: entry.id });
+    again();
+  });
   const remove = useCommand(async (entry: QueueEntry) => {
     const yes = await confirm({ title: `Remove entry ${entry.id} "${entry.name}"?`, verb: 'Remove it', keep: 'Keep it', bad: true });
     if (!yes) return;
@@ -84,7 +97,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
         {at >= 0 && at + 1 < waiting.length && (
           <CommandButton small busy={move.busy} label={`Move ${what} down`} onPress={() => void move.send(entry.id, waiting[at + 2]?.id)}>Down</CommandButton>
         )}
-        {entry.state === QueueEntry_State.SET_ASIDE && <CommandButton small busy={move.busy} label={`Put ${what} back`} onPress={() => void move.send(entry.id, undefined)}>Put back</CommandButton>}
+        {entry.state === QueueEntry_State.SET_ASIDE && <CommandButton small busy={putBack.busy} label={`Put ${what} back`} onPress={() => void putBack.send(entry)}>Put back…</CommandButton>}
         {(at >= 0 || entry.state === QueueEntry_State.SET_ASIDE) && <CommandButton small busy={remove.busy} label={`Remove ${what}`} onPress={() => void remove.send(entry)}>Remove…</CommandButton>}
       </div>
     );
@@ -94,6 +107,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
       <Panel title="What runs and what waits" actions={<HoldButton queue={queue} again={again} />}>
         {queue.hold && <Warned>The queue is held since {dateClock(ms(queue.hold.beginTime))}: {queue.hold.why}. No entry starts until it is released.</Warned>}
         {move.failure && <Failed asked="Move the entry" failure={move.failure} />}
+        {putBack.failure && <Failed asked="Put the entry back" failure={putBack.failure} />}
         {remove.failure && <Failed asked="Remove the entry" failure={remove.failure} />}
         {open.length === 0 && <Empty>No campaign waits.</Empty>}
         {open.length > 0 && (
@@ -112,7 +126,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
             ]}
           />
         )}
-        <AddEntry onAdded={again} />
+        <AddEntry onAdded={again} startsAtOnce={startsAtOnce} />
       </Panel>
       {over.length > 0 && (
         <Panel title="Over">

@@ -1,6 +1,6 @@
 // Entries of the queue in words.
-import { QueueEntry_State, type QueueEntry } from '@/api/gen/driftwise/v1/queue_service_pb';
-import type { MetadataItem } from '@/api/gen/driftwise/v1/run_pb';
+import { QueueEntry_State, type ListQueueResponse, type QueueEntry } from '@/api/gen/driftwise/v1/queue_service_pb';
+import { Run_State, type MetadataItem, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { dateClock, duration, ms, secondsOf } from '@/format/time';
 import type { VerdictKind } from '@/ui/verdict';
 
@@ -24,6 +24,24 @@ export function metadataTyped(text: string): { key: string; value: string }[] | 
   const items = parts.map((part) => ({ key: part.slice(0, Math.max(0, part.indexOf('='))).trim(), value: part.slice(part.indexOf('=') + 1).trim() }));
   return items.every((item) => item.key !== '' && item.value !== '') ? items : undefined;
 }
+
+// What an entry may start after.
+export interface Terms {
+  notBeforeMs: number | undefined; // by the daemon's wall clock
+  afterEntryId: bigint | undefined;
+}
+
+// Nothing that the page knows of holds an entry with these terms back, so that the robot may move as soon as it is in the queue.
+// A condition is not among them: it may hold already, which only the daemon knows.
+export function mayStartAtOnce(terms: Terms, queue: ListQueueResponse, run: Run | undefined, wallMs: number): boolean {
+  if (queue.hold || (run && run.state < Run_State.DONE)) return false;
+  if (queue.entries.some((entry) => entry.state === QueueEntry_State.RUNNING)) return false;
+  if (terms.notBeforeMs !== undefined && terms.notBeforeMs > wallMs) return false;
+  return terms.afterEntryId === undefined || !queue.entries.some((entry) => entry.id === terms.afterEntryId && !entry.accepted);
+}
+
+export const startWords = (condition: string): string =>
+  condition === '' ? 'at once: the robot may move' : `as soon as ${condition}, which may be now: the robot may move`;
 
 // What it waits for by its own terms, and what happens afterwards.
 export function termsOf(entry: QueueEntry): string[] {
