@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -23,6 +24,7 @@
 #include "server/calibration/report/part_warnings.h"
 #include "server/calibration/report/report.h"
 #include "server/calibration/report/residual_statistics.h"
+#include "server/calibration/report/served_digits.h"
 #include "server/calibration/report/set_overlap.h"
 #include "server/calibration/selection/selected.h"
 #include "server/calibration/selection/selection_rule.h"
@@ -35,6 +37,8 @@ namespace driftwise::calibration {
 namespace {
 
 using Eigen::Index;
+
+constexpr std::int64_t kLeastJudges = 2;  // validation rows: fewer have no figures
 
 // The largest departure of each term from its mean over the calibration rows.
 void add_largest_contributions(const std::vector<TermRange>& ranges, OutputModel& model) {
@@ -126,7 +130,7 @@ void add_held_out(const Design& design, const Dataset& dataset, const Eigen::Vec
                   const std::optional<BlockOutcome>& blocks, OutputModel& output) {
   Accuracy& accuracy = output.accuracy;
   const Eigen::VectorXd on_validation = values_at(errors, validation);
-  if (validation.size() >= 2) {
+  if (std::ssize(validation) >= kLeastJudges) {
     const ErrorFigures figures = error_figures(
         std::span(on_validation.data(), static_cast<std::size_t>(on_validation.size())));
     accuracy.u90_validation = figures.u90;
@@ -144,9 +148,9 @@ void add_held_out(const Design& design, const Dataset& dataset, const Eigen::Vec
     accuracy.a90_blocks_high = held.high;
     accuracy.block_count = held.folds;
   }
-  if (dataset.rows > kMostHeldOutRows || (validation.size() < 2 && !blocks)) return;
+  if (dataset.rows > kMostHeldOutRows || (std::ssize(validation) < kLeastJudges && !blocks)) return;
   output.held_out.assign(dataset.rows, std::nan(""));
-  if (validation.size() >= 2)
+  if (std::ssize(validation) >= kLeastJudges)
     for (const std::size_t row : validation) output.held_out[row] = errors[static_cast<Index>(row)];
   if (blocks)
     for (std::size_t i = 0; i < design.rows.size(); ++i)
@@ -280,7 +284,6 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
   model.fit_us = took_us;
   model.lineage = options.lineage;
   model.lineage.rows_calibration = static_cast<std::int64_t>(design.rows.size());
-  model.lineage.rows_validation = design.validation;
   model.lineage.rows_dropped = design.dropped;
   model.lineage.rows_excluded = design.excluded;
   model.lineage.measured_by = measured_by_from(dataset.metadata);
@@ -293,6 +296,7 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
                                rule, options.executor);
   std::int64_t no_datum = 0;
   std::vector<std::string> warnings;
+  std::int64_t judged = std::numeric_limits<std::int64_t>::max();  // of the output with the fewest
   for (std::size_t o = 0; o < fitted.size(); ++o) {
     const auto& [selection, starts, solution] = fitted[o];
     OutputModel output =
@@ -306,17 +310,20 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
         Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Index>(measured.size())) -
         predicted.output;
     const Eigen::VectorXd residuals = values_at(errors, design.rows);
+    DRIFTWISE_RETURN_IF_ERROR(check_served_digits(design, solution, residuals, output));
     add_accuracy(design, residuals, solution, static_cast<Index>(o), output.accuracy);
     const auto noise = add_serial_errors(design, residuals, selection, solution, output);
     DRIFTWISE_RETURN_IF_ERROR(
         add_influences(dataset, design.rows, options.weight_symbol, noise, output));
     const auto validation = validation_rows(design, dataset, errors, no_datum);
+    judged = std::min(judged, static_cast<std::int64_t>(validation.size()));
     output.accuracy.validation_sets = by_validation_set(errors, validation, options.set_names);
     add_held_out(design, dataset, errors, validation, held_out[o], output);
     for (auto& sentence : output_warnings(triangle, selection, output))
       warnings.push_back(std::move(sentence));
     model.outputs.push_back(std::move(output));
   }
+  model.lineage.rows_validation = judged < kLeastJudges ? 0 : judged;
   if (!whole.note().empty()) model.warnings.push_back(whole.note());
   model.domain = domain_of(design, dataset, model.outputs);
   if (auto sparse = sparse_readings(dataset, design.rows, model.outputs))

@@ -20,7 +20,8 @@ namespace driftwise::calibration {
 // forced term whose parent is not offered), UNKNOWN_CHANNEL,
 // NO_OUTPUT, UNTIMED (an effect with memory needs time_s), BAD_VALUE (an infinity, with its row and
 // column; a weight below 0), TOO_MANY_TERMS; failed_precondition: TOO_FEW_ROWS, SETS_OVERLAP
-// (set_overlap.h), RANK_DEFICIENT (Select::all; names every term concerned and what it equals).
+// (set_overlap.h), RANK_DEFICIENT (Select::all; names every term concerned and what it equals),
+// DIGITS_LOST (served_digits.h).
 Result<Model> fit(const Dataset& dataset, const FitOptions& options);
 
 }  // namespace driftwise::calibration

@@ -69,6 +69,13 @@ std::optional<double> spread_within(const Eigen::VectorXd& residuals,
   return freedom < 3 ? std::nullopt : std::optional(std::sqrt(squares / freedom));
 }
 
+std::size_t newly_excluded(const Dataset& before, const Dataset& after) {
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < after.rows; ++row)
+    if (after.is_excluded(row) && !before.is_excluded(row)) ++count;
+  return count;
+}
+
 bool one_unit(const std::vector<Channel>& outputs) {
   for (const auto& output : outputs)
     if (output.unit != outputs.front().unit) return false;
@@ -111,6 +118,7 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
     return judged;
   }
   Dataset dataset = without_incomplete_rows(whole, symbols_read(options));
+  const std::size_t left_out = newly_excluded(whole, dataset);
   if (options.fit.first_rows > 0)
     for (std::size_t row = static_cast<std::size_t>(options.fit.first_rows); row < dataset.rows;
          ++row)
@@ -127,7 +135,7 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
   const auto calibration = rows_in(dataset, PointSet::calibration);
   const auto validation = validation_rows_known(dataset, calibration);
   Judgement result;
-  if (const std::size_t left_out = whole.rows - dataset.rows; left_out > 0)
+  if (left_out > 0)
     result.warnings.push_back(std::to_string(left_out) + " of " + std::to_string(whole.rows) +
                               " rows left out: a channel that is read has no value there");
   if (fitted.kinematics)

@@ -11,11 +11,11 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
+#include "server/identification/frame_start.h"
 #include "server/identification/identifiability.h"
 #include "server/identification/least_squares.h"
 #include "server/identification/pose_rows.h"
 #include "server/kinematics/frame.h"
-#include "server/kinematics/rigid_fit.h"
 
 namespace driftwise::identification {
 namespace {
@@ -148,17 +148,16 @@ void centre_columns(Work& work) {
   }
 }
 
-// Nominal values; an arm's frame where a rigid fit of its nominal points to the measured ones puts
-// it, for a tracker may stand anywhere.
+// Nominal values; an arm's frame where its nominal points come closest to the measured ones.
 Result<Eigen::VectorXd> start_values(const Work& work) {
   Eigen::VectorXd values = kinematics::nominal_values(work.mechanism.parameters());
-  if (!work.mechanism.predicts_pose() || work.mechanism.parameters().front().held) return values;
-  values.head<kinematics::kFrameParameters>().setZero();
-  const Eigen::MatrixXd points = predict_rows(work.mechanism, work.inputs, values);
-  DRIFTWISE_TRY(const auto fit,
-                kinematics::fit_rigid(points.transpose(), work.outputs.transpose()));
-  values.head<kinematics::kFrameParameters>() =
-      kinematics::frame_values(fit.rotation, fit.translation);
+  if (!work.mechanism.predicts_pose()) return values;
+  Eigen::VectorXd at_zero = values;
+  at_zero.head<kinematics::kFrameParameters>().setZero();
+  const Eigen::MatrixXd points = predict_rows(work.mechanism, work.inputs, at_zero);
+  DRIFTWISE_TRY(const auto frame, frame_start(points.transpose(), work.outputs.transpose(),
+                                              work.mechanism.parameters()));
+  values.head<kinematics::kFrameParameters>() = frame;
   return values;
 }
 

@@ -43,12 +43,17 @@ Result<Approach::Next> Approach::next(const Eigen::Ref<const Eigen::MatrixXd>& h
                 .height_mm = height_mm_ - (steps_ > 0 ? rule_.step_mm / 2 : 0),
                 .u_nm = step_nm / std::sqrt(12.0)};
   if (verdict == Verdict::abort)
-    return Next{.kind = Next::Kind::abort,
-                .height_mm = height_mm_,
-                .why = "the holding error is off by " +
-                       number_text(std::round(detector_.shift_nm().cwiseAbs().maxCoeff())) +
-                       " nm, the limit is " + number_text(rule_.contact.abort_nm) +
-                       " nm: retract, look for what pushes the robot, begin lower"};
+    return Next{
+        .kind = Next::Kind::abort,
+        .height_mm = height_mm_,
+        .why = detector_.shift_nm().cwiseAbs().maxCoeff() <= rule_.contact.abort_nm
+                   ? "the holding error swings: " + std::to_string(kMostLooks) +
+                         " looks in succession neither agree on a contact nor on none: "
+                         "retract, look for what shakes the robot"
+                   : "the holding error is off by " +
+                         number_text(std::round(detector_.shift_nm().cwiseAbs().maxCoeff())) +
+                         " nm, the limit is " + number_text(rule_.contact.abort_nm) +
+                         " nm: retract, look for what pushes the robot, begin lower"};
   if (steps_ >= rule_.most_steps || height_mm_ + rule_.step_mm > rule_.highest_mm)
     return Next{.kind = Next::Kind::no_contact,
                 .height_mm = height_mm_,

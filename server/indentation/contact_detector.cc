@@ -64,6 +64,21 @@ int ContactDetector::faint_side() const {
   return (side * shift_nm_).minCoeff() >= kShareOfEachAxis * std::abs(common_nm) ? side : 0;
 }
 
+void ContactDetector::learn_scatter() {
+  while (common_nm_.size() > kRemembered) common_nm_.pop_front();
+  const double deviation_nm =
+      std::max(robust_deviation(common_nm_), median_of({within_nm_.begin(), within_nm_.end()}));
+  faint_nm_ = std::max(kLeastShare * rule_.threshold_nm, kDeviations * deviation_nm);
+}
+
+// What looked like a contact and was none.
+void ContactDetector::take_refuted() {
+  if (pending_nm_.empty()) return;
+  common_nm_.insert(common_nm_.end(), pending_nm_.begin(), pending_nm_.end());
+  pending_nm_.clear();
+  learn_scatter();
+}
+
 void ContactDetector::take_as_free(const Eigen::VectorXd& mean_nm, double within_nm) {
   const auto keep = [](auto& values, std::size_t count) {
     while (values.size() > count) values.pop_front();
@@ -71,13 +86,10 @@ void ContactDetector::take_as_free(const Eigen::VectorXd& mean_nm, double within
   free_nm_.push_back(mean_nm);
   keep(free_nm_, static_cast<std::size_t>(rule_.baseline_windows));
   common_nm_.push_back(mean_nm.mean());
-  keep(common_nm_, kRemembered);
   within_nm_.push_back(within_nm);
   keep(within_nm_, kRemembered);
   middle_nm_ = medians(free_nm_);
-  const double deviation_nm =
-      std::max(robust_deviation(common_nm_), median_of({within_nm_.begin(), within_nm_.end()}));
-  faint_nm_ = std::max(kLeastShare * rule_.threshold_nm, kDeviations * deviation_nm);
+  learn_scatter();
 }
 
 Result<ContactDetector::Verdict> ContactDetector::add(
@@ -105,6 +117,7 @@ Result<ContactDetector::Verdict> ContactDetector::add(
   const int clear = clear_side();
   const int side = clear != 0 ? clear : faint_side();
   const bool same_side = side != 0 && side == side_before_;
+  if (!same_side) take_refuted();
   windows_on_side_ = same_side ? windows_on_side_ + 1 : side != 0 ? 1 : 0;
   const bool clear_again = clear != 0 && clear_before_ && same_side;
   const bool beyond_again = beyond && beyond_before_;
@@ -114,7 +127,12 @@ Result<ContactDetector::Verdict> ContactDetector::add(
   if (beyond_again) return Verdict::abort;
   if (beyond) return Verdict::look_again;
   if (clear_again || windows_on_side_ >= kFaintWindows) return Verdict::contact;
-  if (side != 0) return Verdict::look_again;
+  looks_ = side != 0 ? looks_ + 1 : 0;
+  if (looks_ >= kMostLooks) return Verdict::abort;
+  if (side != 0) {
+    pending_nm_.push_back(mean_nm.mean());
+    return Verdict::look_again;
+  }
   take_as_free(mean_nm, within_nm);
   return Verdict::free;
 }

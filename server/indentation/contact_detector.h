@@ -12,6 +12,9 @@
 //   four consecutive windows. A knock rings through zero and is gone by then; an axis that latches
 //   elsewhere does not move the others. The sum is the matched statistic of a shift that all axes
 //   share; the four windows are the sequential test's agreement.
+// Windows whose sign the next ones refute are no contact: they enter the standard deviation (not
+// the median), so that a disturbance that begins after the baseline is learnt. kMostLooks windows
+// with a sign and no contact in succession are no holding error: abort.
 // A step of 250 nm that ends 20 nm beyond the surface shows in the second way only.
 //
 // Pure; one thread. Source of the threshold: E. Lubrano, EPFL thesis 5098 (2011), section 8.2:
@@ -31,6 +34,8 @@ struct ContactRule {
   int baseline_windows = 5;  // before the approach; and later, of the last windows without contact
 };
 
+constexpr int kMostLooks = 40;  // at one height
+
 class ContactDetector {
  public:
   enum class Verdict {
@@ -38,7 +43,7 @@ class ContactDetector {
     free,        // no contact
     look_again,  // the next window decides; nothing may move before it
     contact,
-    abort,  // the error is beyond the limit, twice
+    abort,  // the error is beyond the limit, twice; or restless for kMostLooks windows
   };
 
   explicit ContactDetector(ContactRule rule) : rule_(rule) {}
@@ -59,6 +64,8 @@ class ContactDetector {
   int clear_side() const;
   int faint_side() const;
   void take_as_free(const Eigen::VectorXd& mean_nm, double within_nm);
+  void take_refuted();
+  void learn_scatter();
 
   ContactRule rule_;
   Eigen::Index axes_ = 0;
@@ -67,7 +74,9 @@ class ContactDetector {
   std::deque<double> within_nm_;         // standard deviation of such a mean by its own readings
   Eigen::VectorXd middle_nm_;            // median of free_nm_, per axis
   Eigen::VectorXd shift_nm_;
+  std::deque<double> pending_nm_;  // means over the axes of the windows on the present side
   double faint_nm_ = 0;
+  int looks_ = 0;  // windows with a sign, in succession
   int side_before_ = 0, windows_on_side_ = 0;
   bool clear_before_ = false, beyond_before_ = false;
 };

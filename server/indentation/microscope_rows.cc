@@ -34,10 +34,19 @@ Result<MicroscopeIndent> row_of(std::span<const MicroscopeIndent> rows, int cont
   return *found;
 }
 
-// The indent that was planned nearest to this place.
+// Where the indent was made, from the zero: after an interrupted contact beside its planned place.
+Place made_place(const ProcedureRecord& record, const MadeIndent& made) {
+  constexpr double kUmInMm = 1000;
+  const Place place{(made.touch.x_mm - record.zero.x_mm) * kUmInMm,
+                    (made.touch.y_mm - record.zero.y_mm) * kUmInMm};
+  const bool known = place.x_um != 0 || place.y_um != 0;  // an indent is never made on the zero
+  return known ? place : planned_place(made.planned);
+}
+
+// The indent that was made nearest to this place.
 const MadeIndent& nearest(const ProcedureRecord& record, const Place& at) {
   return *std::ranges::min_element(record.indents, {}, [&](const MadeIndent& one) {
-    return distance_um(planned_place(one.planned), at);
+    return distance_um(made_place(record, one), at);
   });
 }
 

@@ -8,18 +8,24 @@
 namespace driftwise::stability {
 namespace {
 
-// Slope of log deviation over log tau between two points.
+// Slope of log deviation over log tau between two points, of which not both are 0.
 double slope(const AllanPoint& a, const AllanPoint& b) {
-  if (!(a.deviation > 0) || !(b.deviation > 0)) return 0;
+  if (!(b.deviation > 0)) return -HUGE_VAL;
+  if (!(a.deviation > 0)) return HUGE_VAL;
   return std::log(b.deviation / a.deviation) / std::log(b.tau_s / a.tau_s);
 }
 
-const char* name_of_noise(double slope) {
+const char* name_of_slope(double slope) {
   if (slope < -0.75) return "noise that averages faster than white noise";
   if (slope < -0.25) return "white noise";
   if (slope < 0.25) return "flicker noise";
   if (slope < 0.75) return "a random walk";
   return "a drift";
+}
+
+const char* name_of_noise(const AllanPoint& a, const AllanPoint& b) {
+  if (!(a.deviation > 0) && !(b.deviation > 0)) return "no change";
+  return name_of_slope(slope(a, b));
 }
 
 }  // namespace
@@ -65,9 +71,12 @@ std::vector<std::size_t> octaves(std::size_t values) {
 
 std::string noise_sentence(std::span<const AllanPoint> points) {
   if (points.size() < 3) return "too few averaging times to name the noise";
+  if (std::ranges::none_of(points, [](const auto& point) { return point.deviation > 0; }))
+    return "no noise: every value is the same, which a display coarser than the noise shows, or an "
+           "instrument that repeats its last reading";
   const std::size_t last = points.size() - 1;
-  const std::string first_kind = name_of_noise(slope(points[0], points[2]));
-  const std::string last_kind = name_of_noise(slope(points[last - 2], points[last]));
+  const std::string first_kind = name_of_noise(points[0], points[2]);
+  const std::string last_kind = name_of_noise(points[last - 2], points[last]);
   const auto best =
       std::min_element(points.begin(), points.end(),
                        [](const auto& a, const auto& b) { return a.deviation < b.deviation; });

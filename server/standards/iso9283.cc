@@ -1,8 +1,11 @@
 #include "server/standards/iso9283.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <unordered_map>
 
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -104,17 +107,71 @@ bool same_command(const PoseColumns& columns, std::size_t a, std::size_t b,
   return true;
 }
 
+// Poses by where their first command lies, in cells much wider than two commands of one pose may
+// differ: a row is compared with those of its cell, and of the next one at a border, not with all.
+class PoseCells {
+ public:
+  PoseCells(const PoseColumns& columns, const Iso9283Options& options)
+      : columns_(columns), options_(options) {}
+
+  // Of the poses that may have this row's command, in the order in which they were added.
+  std::vector<std::size_t> near(std::size_t row) const {
+    std::vector<std::size_t> poses;
+    for (const std::uint64_t cell : cells_at(row, 1))
+      if (const auto at = cells_.find(cell); at != cells_.end())
+        poses.insert(poses.end(), at->second.begin(), at->second.end());
+    std::ranges::sort(poses);
+    return poses;
+  }
+  void add(std::size_t row, std::size_t pose) { cells_[cells_at(row, 0).front()].push_back(pose); }
+
+ private:
+  // share: of what two commands of one pose may differ, to either side of the row's.
+  std::vector<std::uint64_t> cells_at(std::size_t row, double share) const {
+    std::vector<std::uint64_t> cells = {0};
+    const auto along = [&](const std::vector<double>& column, double same, auto wrapped) {
+      const double width = std::max(1024 * same, 1e-9);
+      const auto index = [&](double value) {
+        return std::floor(wrapped(value) / width) + 0.0;  // one zero, not two
+      };
+      const double low = index(column[row] - share * same * 1.001),
+                   high = index(column[row] + share * same * 1.001);
+      const std::size_t before = cells.size();
+      if (low != high) cells.insert(cells.end(), cells.begin(), cells.end());
+      for (std::size_t i = 0; i < cells.size(); ++i)
+        cells[i] = (cells[i] ^ std::bit_cast<std::uint64_t>(i < before ? low : high)) *
+                       0x9e3779b97f4a7c15u +
+                   1;
+    };
+    for (const auto& column : columns_.command_mm)
+      along(column, options_.same_pose_mm, [](double mm) { return mm; });
+    for (const auto& column : columns_.command_arcsec)
+      along(column, options_.same_pose_arcsec, within_half_turn);
+    return cells;
+  }
+
+  const PoseColumns& columns_;
+  const Iso9283Options& options_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
+};
+
 std::vector<VisitedPose> visited_poses(const Dataset& dataset, const PoseColumns& columns,
                                        const Iso9283Options& options) {
   std::vector<VisitedPose> out;
+  PoseCells cells(columns, options);
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     if (!dataset.zero.empty() && dataset.zero[row] != 0) continue;
     if (dataset.is_excluded(row) || !is_measured(columns, row)) continue;
-    auto at = std::ranges::find_if(out, [&](const VisitedPose& pose) {
-      return same_command(columns, pose.first_row, row, options);
+    const auto near = cells.near(row);
+    const auto known = std::ranges::find_if(near, [&](std::size_t pose) {
+      return same_command(columns, out[pose].first_row, row, options);
     });
-    if (at == out.end()) at = out.insert(out.end(), {row, {}});
-    at->rows.push_back(row);
+    if (known != near.end()) {
+      out[*known].rows.push_back(row);
+      continue;
+    }
+    cells.add(row, out.size());
+    out.push_back({row, {row}});
   }
   return out;
 }

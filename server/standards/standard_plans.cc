@@ -95,16 +95,16 @@ Result<Trajectory> iso230_2_plan(const Iso2302Plan& plan) {
   const auto positions = scattered_positions(plan);
   Writer writer({plan.axis}, plan.held);
   writer.go_to_zero();
-  writer.next_line();
-  writer.go_to({positions.front() - overrun_mm});
+  // The overrun leads its pass: a run may return to zero between two lines, in no row.
   for (int cycle = 0; cycle < plan.approaches; ++cycle) {
-    for (const double at_mm : positions) writer.go_to({at_mm});
-    writer.go_to({positions.back() + overrun_mm});
     writer.next_line();
-    for (auto at = positions.rbegin(); at != positions.rend(); ++at) writer.go_to({*at});
     writer.go_to({positions.front() - overrun_mm});
+    for (const double at_mm : positions) writer.go_to({at_mm});
     writer.next_line();
+    writer.go_to({positions.back() + overrun_mm});
+    for (auto at = positions.rbegin(); at != positions.rend(); ++at) writer.go_to({*at});
   }
+  writer.next_line();
   writer.go_to_zero();
   return writer.take();
 }
@@ -122,7 +122,7 @@ Result<Trajectory> iso230_3_plan(const Iso2303Plan& plan) {
   Writer writer({plan.axis}, plan.held);
   writer.go_to_zero();
   for (int round = 0; round < static_cast<int>(rounds); ++round) {
-    writer.next_line();
+    if (round == 0 || !rests) writer.next_line();  // an axis at rest does not return to zero
     if (!rests) writer.go_to({positions.front() - plan.overrun_mm}, plan.every_s);
     for (const double at_mm : positions)
       writer.go_to({at_mm}, rests ? std::optional(plan.every_s) : std::nullopt);
@@ -151,12 +151,11 @@ Result<Trajectory> iso9283_plan(const Iso9283Plan& plan) {
       at_mm.push_back(plan.centre_mm[i] + plan.edge_mm * (n == 1 ? kLine[p] : kCube[p][i]));
     return at_mm;
   };
+  // One line: a return to zero between cycles would be where P1 comes from.
   writer.next_line();
   writer.go_to(pose(4));  // so that the first P1 is approached as all others
-  for (int cycle = 0; cycle < plan.cycles; ++cycle) {
-    writer.next_line();
+  for (int cycle = 0; cycle < plan.cycles; ++cycle)
     for (std::size_t p = 0; p < kCube.size(); ++p) writer.go_to(pose(p));
-  }
   writer.next_line();
   writer.go_to_zero();
   return writer.take();

@@ -26,8 +26,9 @@ struct Iso2302Plan {
   std::uint32_t seed = 1;  // of the scatter
   std::vector<Held> held = {};
 };
-// Up through all positions, beyond the end, down through all, beyond the other end; `approaches`
-// times. One line per pass; first and last a return to zero where the held coordinates allow it.
+// From beyond the lower end up through all positions, from beyond the upper end down through all;
+// `approaches` times. One line per pass, which begins with its overrun, so that a return to zero
+// between two lines changes no side; first and last a return to zero.
 // Errors: invalid_argument BAD_PLAN saying what.
 Result<Trajectory> iso230_2_plan(const Iso2302Plan& plan);
 
@@ -38,7 +39,8 @@ struct Iso2303Plan {
   double overrun_mm = 0.1;  // below the lowest, so that each is approached from below
   std::vector<Held> held = {};
 };
-// Rows dwell so that a round takes every_s besides its moves and readings.
+// Rows dwell so that a round takes every_s besides its moves and readings. One line per round,
+// which begins below the lowest position; at rest one line, without a return to zero in it.
 Result<Trajectory> iso230_3_plan(const Iso2303Plan& plan);
 
 struct Iso9283Plan {
@@ -50,8 +52,8 @@ struct Iso9283Plan {
 };
 // P1 in the middle, P2 to P5 on the diagonals of the plane through two opposite edges of the cube
 // (one in x and y up, one in x and y down), at a tenth of the diagonal from its ends; P1 .. P5 in
-// turn, so that each pose is always approached from the same one. With two axes the corners of the
-// square, with one five places on the line.
+// turn and in one line, so that each pose is always approached from the same one. With two axes the
+// corners of the square, with one five places on the line.
 Result<Trajectory> iso9283_plan(const Iso9283Plan& plan);
 
 }  // namespace driftwise::standards

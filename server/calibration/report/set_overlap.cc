@@ -12,7 +12,10 @@ bool same(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
+// Rows of another time or run are another measurement, whatever a coarse display shows.
 bool same_measurement(const Dataset& dataset, std::size_t a, std::size_t b) {
+  if (!dataset.run.empty() && dataset.run[a] != dataset.run[b]) return false;
+  if (!dataset.time_s.empty() && !same(dataset.time_s[a], dataset.time_s[b])) return false;
   for (const auto& column : dataset.columns)
     if (!same(column.values[a], column.values[b])) return false;
   return true;
@@ -45,7 +48,8 @@ Result<void> check_sets_apart(const Dataset& dataset, const Design& design) {
   if (count == 0) return {};
   return fail(ErrorCode::failed_precondition, reasons::kSetsOverlap,
               std::to_string(count) + " of " + std::to_string(design.validation) +
-                  " validation rows repeat a calibration row in every channel (first: row " +
+                  " validation rows repeat a calibration row in every channel" +
+                  (dataset.time_s.empty() ? "" : " and its time") + " (first: row " +
                   std::to_string(first_validation + 1) + " is row " +
                   std::to_string(first_calibration + 1) +
                   "): the model would be judged on rows it was fitted to; give each measurement to "

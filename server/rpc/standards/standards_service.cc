@@ -44,8 +44,9 @@ class StandardsService final : public v1::StandardsService::CallbackService {
           if (runs.empty())
             co_return fail(ErrorCode::invalid_argument, reasons::kNoRuns,
                            "run_ids: found none, expected at least one");
-          auto exporting =
-              datasets_.export_csv(std::move(runs), true);  // rows kept out are no figures either
+          // With the rows kept out, marked: no figures of their own, but where the next row came
+          // from.
+          auto exporting = datasets_.export_csv(std::move(runs), false);
           DRIFTWISE_CO_TRY(const auto csv, co_await std::move(exporting));
           const auto options = options_from(*request);
           DRIFTWISE_CO_TRY(const auto figures,

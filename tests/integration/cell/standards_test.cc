@@ -14,7 +14,8 @@ TEST(Standards, FiguresOfAnAxisComeFromTheTrajectoryThatIsMadeForThem) {
   CellAtWork cell;
   cell.start_daemon();
   const auto file = cell.folder() + "/iso.csv";
-  cell.say({"trajectory", "iso230-2", "--from", "-3", "--to", "3", "--positions", "5", "-o", file});
+  cell.say({"trajectory", "iso230-2", "--from", "-3", "--to", "3", "--positions", "5",
+            "--approaches", "6", "-o", file});
   EXPECT_EQ(cell.cli({"trajectory", "check", file}).code, 0);
   const auto watched = cell.cli({"run", "start", file, "--watch"});
   ASSERT_EQ(watched.code, 0) << watched.err;
@@ -45,6 +46,16 @@ TEST(Standards, FiguresOfAnAxisComeFromTheTrajectoryThatIsMadeForThem) {
   const auto exported = cell.folder() + "/run.csv";
   cell.say({"data", "export", "1", "-o", exported});
   EXPECT_EQ(cell.ask({"standard", "iso230-2", exported}).at("a").at("both_nm"), a_nm);
+
+  // Rows that are kept out are no figures, but the next row still comes from them: by both ways.
+  cell.say({"data", "exclude", "1", "--rows", "7-8", "--reason", "touched"});
+  const auto without = cell.ask({"standard", "iso230-2", "--run", "1"});
+  EXPECT_NE(without.at("positions").at(4).at("up"), figures.at("positions").at(4).at("up"));
+  grpc::ClientContext again;
+  v1::EvaluateIso2302Response kept_out;
+  ASSERT_TRUE(stub.EvaluateIso2302(&again, request, &kept_out).ok());
+  EXPECT_EQ(kept_out.a().both_nm(), without.at("a").at("both_nm").get<double>());
+  EXPECT_EQ(kept_out.b_nm(), without.at("b_nm").get<double>());
 }
 
 TEST(Standards, ARunWithoutApproachesFromBothSidesIsRefused) {

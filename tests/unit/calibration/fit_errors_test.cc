@@ -55,6 +55,41 @@ TEST(FitErrors, NamesASumOfOthers) {
               HasSubstr("t09 cannot be told apart from t01, t02"));
 }
 
+// Rows at x = middle +- 0.5 mm with a fifth-degree law in x - middle and 5 nm of noise.
+Dataset far_from_zero(double middle_mm) {
+  Dataset data;
+  data.rows = 200;
+  data.columns = {{{"x", "mm"}, {}}, {{"q1", "mm"}, {}}};
+  std::uint32_t state = 7;
+  const auto uniform = [&state] {
+    state = state * 1664525u + 1013904223u;
+    return state / 4294967296.0 - 0.5;
+  };
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double u = uniform();
+    data.columns[0].values.push_back(middle_mm + u);
+    data.columns[1].values.push_back(u + 1e-3 * u * u - 2e-4 * std::pow(u, 5) + 1.7e-5 * uniform());
+  }
+  return data;
+}
+
+TEST(FitErrors, RefusesAModelThatLosesItsDigitsInTheFormItIsServedIn) {
+  for (const double middle_mm : {2000.0, 1e9}) {
+    const Error error = error_of(far_from_zero(middle_mm), "q1 ~ poly(x,5)", all_terms());
+    EXPECT_EQ(error.reason, "DIGITS_LOST") << middle_mm;
+    EXPECT_THAT(error.message, AllOf(HasSubstr("q1: the fit leaves "), HasSubstr("x lies at "),
+                                     HasSubstr("take an offset of about ")));
+  }
+  for (const double middle_mm : {0.0, 10.0}) {
+    const auto model =
+        formats::fit_formula(far_from_zero(middle_mm), "q1 ~ poly(x,5)", all_terms());
+    ASSERT_TRUE(model.has_value()) << model.error().message;
+    const auto& accuracy = model->outputs[0].accuracy;
+    EXPECT_LT(accuracy.a90_calibration, 1.2 * *accuracy.a90_blocks) << middle_mm;
+    EXPECT_GT(accuracy.a90_calibration, 0.8 * *accuracy.a90_blocks) << middle_mm;
+  }
+}
+
 TEST(FitErrors, StepwiseLeavesOutWhatCannotBeToldApartAndSaysSo) {
   Dataset data = make_campaign({});
   data.columns.push_back({{"t08", "degC"}, data.columns[2].values});  // a copy of t01
@@ -199,6 +234,34 @@ TEST(FitErrors, FitsAnExactLineWithoutFittingItsRounding) {
   ASSERT_TRUE(model.has_value()) << model.error().message;
   EXPECT_EQ(model->outputs[0].terms.size(), 2u);
   EXPECT_NEAR(model->outputs[0].coefficients[1], 3, 1e-14);
+}
+
+TEST(FitErrors, TakesRowsOfAnotherTimeForAnotherMeasurement) {
+  Dataset data = make_campaign({});
+  const auto row_of = [&](PointSet set) {
+    return static_cast<std::size_t>(std::ranges::find(data.set, set) - data.set.begin());
+  };
+  const std::size_t learnt = row_of(PointSet::calibration), judge = row_of(PointSet::validation);
+  for (auto& column : data.columns) column.values[judge] = column.values[learnt];
+  data.time_s.resize(data.rows);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    data.time_s[row] = 100.0 * static_cast<double>(row);
+  EXPECT_TRUE(formats::fit_formula(data, "q1 ~ x + T", {}));
+  data.time_s[judge] = data.time_s[learnt];
+  EXPECT_EQ(error_of(data, "q1 ~ x + T").reason, "SETS_OVERLAP");
+}
+
+TEST(FitErrors, CountsOnlyTheValidationRowsThatJudge) {
+  Dataset data = make_campaign({});
+  data.datum.assign(data.rows, 1);
+  const auto marked = std::ranges::count(data.set, PointSet::validation);
+  EXPECT_EQ(formats::fit_formula(data, "q1 ~ x + T", {})->lineage.rows_validation, marked);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (data.set[row] == PointSet::validation) data.datum[row] = 2;
+  const auto model = formats::fit_formula(data, "q1 ~ x + T", {});
+  ASSERT_TRUE(model);
+  EXPECT_FALSE(model->outputs[0].accuracy.a90_validation);
+  EXPECT_EQ(model->lineage.rows_validation, 0);
 }
 
 }  // namespace

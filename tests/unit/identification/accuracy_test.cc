@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/formats/formula/formula.h"
@@ -29,6 +30,24 @@ Judgement judged(const Dataset& data, Method method, const JudgeOptions& judge =
   auto result = judge_method(data, method, judged_options(data), judge);
   EXPECT_TRUE(result) << result.error().message;
   return std::move(*result);
+}
+
+TEST(JudgeMethod, SaysHowManyRowsHaveNoValueInAChannelThatIsRead) {
+  Dataset data = campaign();
+  auto& t05 = std::ranges::find_if(data.columns, [](const auto& column) {
+                return column.channel.symbol == "t05";
+              })->values;
+  for (std::size_t row = 0; row < data.rows; row += 2) t05[row] = kMissing;
+  data.excluded.assign(data.rows, 0);
+  data.excluded[0] = 1;  // kept out before: not counted again
+  for (const Method method : {Method::kinematic, Method::stepwise}) {
+    const auto result = judged(data, method);
+    const auto half = std::to_string((data.rows + 1) / 2 - 1);
+    ASSERT_FALSE(result.warnings.empty());
+    EXPECT_EQ(result.warnings.front(),
+              half + " of " + std::to_string(data.rows) +
+                  " rows left out: a channel that is read has no value there");
+  }
 }
 
 TEST(JudgeMethod, GivesStepwiseTheFiguresThatTheFitItselfGives) {

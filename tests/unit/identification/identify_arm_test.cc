@@ -84,6 +84,50 @@ TEST(IdentifyArm, HoldsWhatTheFileHolds) {
   EXPECT_GT(std::sqrt(found.rss.sum() / 600), 1e-3);  // and pays for it
 }
 
+// The six of an arm's frame by name, and where they stand in a description.
+struct FrameKey {
+  const char* name;
+  double FrameDescription::*value;
+};
+constexpr FrameKey kFrameKeys[] = {
+    {"frame.x_mm", &FrameDescription::x_mm},     {"frame.y_mm", &FrameDescription::y_mm},
+    {"frame.z_mm", &FrameDescription::z_mm},     {"frame.rx_deg", &FrameDescription::rx_deg},
+    {"frame.ry_deg", &FrameDescription::ry_deg}, {"frame.rz_deg", &FrameDescription::rz_deg}};
+
+TEST(IdentifyArm, HoldsEachOfTheFrameAtItsValueAndFitsTheOthers) {
+  const auto truth = crooked_arm();
+  const Dataset data = robots::arm_campaign(truth, 200, 0, 38);
+  for (const auto& key : kFrameKeys) {
+    auto nominal = robots::nominal_arm();
+    nominal.frame.*key.value = truth.frame.*key.value;
+    nominal.hold = {key.name};
+    const auto found = identified_arm(data, nominal);
+    EXPECT_EQ(arm_parameter(found, key.name).note, "held by the robot file");
+    EXPECT_FALSE(arm_parameter(found, key.name).free);
+    EXPECT_EQ(arm_parameter(found, key.name).value, truth.frame.*key.value) << key.name;
+    EXPECT_LT(std::sqrt(found.rss.sum() / 600), 1e-7) << key.name;
+    EXPECT_NEAR(arm_parameter(found, "link2.a_mm").value, -610.7, 1e-5) << key.name;
+  }
+}
+
+TEST(IdentifyArm, PlacesTheNominalArmWithTwoOfItsFrameHeld) {
+  const auto truth = crooked_arm();
+  IdentifyOptions options;
+  auto nominal = robots::nominal_arm();
+  nominal.frame.rz_deg = truth.frame.rz_deg;
+  nominal.frame.z_mm = truth.frame.z_mm;
+  nominal.hold = {"frame.rz_deg", "frame.z_mm"};
+  options.mechanism = *kinematics::make_mechanism(nominal);
+  options.placement_only = true;
+  const auto placed = identify(robots::arm_campaign(truth, 200, 0, 39), options);
+  ASSERT_TRUE(placed) << placed.error().message;
+  EXPECT_EQ(placed->unknowns, 4);
+  EXPECT_EQ(arm_parameter(*placed, "frame.rz_deg").value, 143);
+  EXPECT_EQ(arm_parameter(*placed, "frame.z_mm").value, 60);
+  EXPECT_NEAR(arm_parameter(*placed, "frame.x_mm").value, 2100, 10);
+  EXPECT_LT(std::sqrt(placed->rss.sum() / 200), 20) << "the arm's own errors";
+}
+
 TEST(IdentifyArm, ThePlacementAloneIsTheRigidFitOfTheNominalArm) {
   const Dataset data = robots::arm_campaign(crooked_arm(), 300, 0.05, 34);
   IdentifyOptions options;

@@ -114,5 +114,32 @@ TEST(ContactDetector, RefusesAWindowThatHoldsNoNumbersOrOtherAxes) {
             "BAD_VALUE");
 }
 
+// The table begins to swing by 30 nm after the baseline: what was learnt in the quiet is no longer
+// the robot's scatter.
+TEST(ContactDetector, LearnsADisturbanceThatBeginsAfterTheBaseline) {
+  auto detector = with_baseline();
+  int free = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double swing_nm = i % 2 == 0 ? 30 : -30;
+    const auto verdict = detector.add(window(swing_nm, swing_nm, swing_nm));
+    ASSERT_TRUE(verdict);
+    EXPECT_NE(*verdict, ContactDetector::Verdict::contact);
+    EXPECT_NE(*verdict, ContactDetector::Verdict::abort);
+    free += *verdict == ContactDetector::Verdict::free ? 1 : 0;
+  }
+  EXPECT_GT(free, 150);
+  EXPECT_GT(detector.faint_nm(), 30);
+}
+
+TEST(ContactDetector, EndsItsLooksWhereTheRobotNeverComesToRest) {
+  auto detector = with_baseline();
+  for (int i = 0; i + 1 < kMostLooks; ++i) {
+    const double swing_nm = i % 2 == 0 ? 400 : -400;
+    EXPECT_EQ(*detector.add(window(swing_nm, swing_nm, swing_nm)),
+              ContactDetector::Verdict::look_again);
+  }
+  EXPECT_EQ(*detector.add(window(-400, -400, -400)), ContactDetector::Verdict::abort);
+}
+
 }  // namespace
 }  // namespace driftwise::indentation

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace driftwise::indentation {
 namespace {
 
@@ -43,6 +45,23 @@ TEST(MicroscopeRows, GiveDistancesFromTheZeroAlongEachLine) {
   ASSERT_EQ(indents->size(), 6U);
   EXPECT_NEAR((*indents)[2].measured_um, 512.5, 1e-9);
   EXPECT_NEAR((*indents)[5].measured_um, 512.5, 1e-9);
+}
+
+// An interrupted contact near the zero: the indent was made again 20 um aside, nearer to where its
+// neighbour was planned.
+TEST(MicroscopeRows, AreComparedWithWhereTheIndentsWereMade) {
+  ProcedureRecord record;
+  record.zero = {.x_mm = 1, .y_mm = 2, .contact = 1};
+  record.indents = {{.planned = {.id = "x10", .line = Line::x, .at_um = 10},
+                     .touch = {.x_mm = 1.010, .y_mm = 2.020, .contact = 3}},
+                    {.planned = {.id = "y15", .line = Line::y, .at_um = 15},
+                     .touch = {.x_mm = 1, .y_mm = 2.015, .contact = 4}}};
+  const std::vector<MicroscopeIndent> rows = {{.id = 1, .x_um = 0, .y_um = 0},
+                                              {.id = 3, .x_um = 10, .y_um = 20},
+                                              {.id = 4, .x_um = 0, .y_um = 15}};
+  const auto indents = indents_seen(record, rows);
+  ASSERT_TRUE(indents) << indents.error().message;
+  EXPECT_NEAR((*indents)[0].measured_um, 10, 1e-9);
 }
 
 // The contact between them left no mark: in the microscope the indents after it are counted on.

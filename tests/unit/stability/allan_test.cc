@@ -95,5 +95,12 @@ TEST(LongestStretch, EndsAtAGap) {
   EXPECT_EQ(stability::longest_stretch({{1}, {1}}).size(), 0U);
 }
 
+TEST(Allan, CallsAConstantChannelNoNoise) {
+  const std::vector<double> still(4096, 21.3);
+  using namespace stability;
+  EXPECT_TRUE(noise_sentence(allan_deviation(still, 1, octaves(still.size())))
+                  .starts_with("no noise: every value is the same"));
+}
+
 }  // namespace
 }  // namespace driftwise::tests

@@ -73,5 +73,27 @@ TEST(Iso9283, RefusesUnequalColumns) {
   EXPECT_EQ(iso9283(data, {.command = {"ry"}, .measured = {"x"}}).error().reason, "UNIT_KIND");
 }
 
+// Commands within the tolerance are one pose also across the border of two cells of the search, and
+// rotations across the half turn.
+TEST(Iso9283, TakesCommandsThatAreAlikeForOnePoseWhereverTheyLie) {
+  Dataset data;
+  data.columns = {{{"x_target", "mm"}, {}},
+                  {{"x", "mm"}, {}},
+                  {{"rz_target", "arcsec"}, {}},
+                  {{"rz", "arcsec"}, {}}};
+  for (int cycle = 0; cycle < 4; ++cycle)
+    for (const double x_mm : {0.0, 1.024, -3.072}) {
+      const double aside = cycle % 2 == 0 ? 0.4 : -0.4;
+      data.columns[0].values.push_back(x_mm + aside * 1e-6);
+      data.columns[1].values.push_back(x_mm);
+      data.columns[2].values.push_back(aside > 0 ? 647999.9998 : -647999.9998);
+      data.columns[3].values.push_back(648000);
+      ++data.rows;
+    }
+  const auto found = iso9283(data, {.poses = 3, .cycles = 4});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->poses.size(), 3U);
+}
+
 }  // namespace
 }  // namespace driftwise::standards

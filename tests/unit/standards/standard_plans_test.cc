@@ -38,6 +38,24 @@ Dataset run_perfectly(const Trajectory& trajectory) {
   return data;
 }
 
+// The same with play in the first axis, and as a cell runs it: between two lines without a zero row
+// the axes return to zero, in no row (server/application/runs/trajectory_walk.h).
+Dataset run_with_play(const Trajectory& trajectory, double play_nm) {
+  Dataset data = run_perfectly(trajectory);
+  double from_mm = 0, left_mm = 0;
+  const auto move_to = [&](double to_mm) {
+    if (to_mm != from_mm) left_mm = (to_mm > from_mm ? -0.5 : 0.5) * play_nm * 1e-6;
+    from_mm = to_mm;
+  };
+  for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
+    const auto& point = trajectory.points[i];
+    if (i > 0 && point.line != trajectory.points[i - 1].line) move_to(0);
+    move_to(point.target[0]);
+    data.columns[1].values[i] += left_mm;
+  }
+  return data;
+}
+
 Trajectory must(Result<Trajectory> plan) {
   EXPECT_TRUE(plan) << plan.error().message;
   const auto again = formats::read_trajectory_csv(formats::write_trajectory_csv(*plan), "plan.csv");
@@ -57,6 +75,23 @@ TEST(Iso2302Plan, GivesARunThatHasItsFigures) {
       EXPECT_EQ(found->a.both_nm, 0);
       EXPECT_EQ(found->b_nm, 0);
       EXPECT_TRUE(found->warnings.empty()) << found->warnings[0];
+    }
+}
+
+TEST(Iso2302Plan, ShowsPlayAlikeAtEveryPositionThoughTheAxisReturnsToZeroBetweenPasses) {
+  constexpr double kPlay_nm = 600;
+  for (const auto& [from_mm, to_mm] : {std::pair(-4.0, 4.0), {1.0, 3.0}, {-3.0, -1.0}, {0.0, 5.0}})
+    for (const double overrun_mm : {0.0, 0.1}) {
+      const auto plan = must(iso230_2_plan(
+          {.from_mm = from_mm, .to_mm = to_mm, .overrun_mm = overrun_mm, .held = {}}));
+      const auto found = iso230_2(run_with_play(plan, kPlay_nm), {});
+      ASSERT_TRUE(found) << found.error().message;
+      EXPECT_EQ(found->positions.size(), 9U);
+      for (const auto& position : found->positions) {
+        EXPECT_NEAR(position.reversal_nm, -kPlay_nm, 1e-3)
+            << "at " << position.target_mm << " mm of " << from_mm << " to " << to_mm;
+        EXPECT_NEAR(position.r_nm, kPlay_nm, 1e-3);
+      }
     }
 }
 
@@ -96,6 +131,28 @@ TEST(Iso2303Plan, GivesARunThatHasItsFigures) {
     EXPECT_GE(found->series.size(), at_mm.size());
     EXPECT_EQ(found->range_nm, 0);
   }
+}
+
+TEST(Iso2303Plan, VisitsAlwaysFromBelowOrRestsThoughTheAxisReturnsToZeroBetweenRounds) {
+  for (const std::vector<double>& at_mm : {std::vector<double>{4, -4}, {1, 3}, {-3, -1}, {-1.25}}) {
+    const auto plan = must(iso230_3_plan({.at_mm = at_mm, .held = {}}));
+    const auto found = iso230_3(run_with_play(plan, 600), {});
+    ASSERT_TRUE(found) << found.error().message;
+    for (const auto& series : found->series) EXPECT_EQ(series.range_nm, 0) << series.target_mm;
+  }
+  const auto at_rest = must(iso230_3_plan({.at_mm = {1.25}, .held = {}}));
+  for (std::size_t i = 2; i < at_rest.points.size(); ++i)
+    EXPECT_EQ(at_rest.points[i].line, at_rest.points[1].line) << "no return to zero at rest";
+}
+
+TEST(Iso9283Plan, ApproachesEachPoseFromTheSameOne) {
+  const auto plan = must(iso9283_plan(
+      {.axes = {{"q1", "mm"}, {"q2", "mm"}}, .centre_mm = {2, 2}, .edge_mm = 2, .held = {}}));
+  const auto found = iso9283(run_with_play(plan, 600), {});
+  ASSERT_TRUE(found) << found.error().message;
+  for (const auto& pose : found->poses) EXPECT_NEAR(pose.rp_nm, 0, 1e-3);
+  for (std::size_t i = 2; i + 1 < plan.points.size(); ++i)
+    EXPECT_EQ(plan.points[i].line, plan.points[1].line) << "no return to zero between cycles";
 }
 
 TEST(Iso9283Plan, GivesARunThatHasItsFigures) {
