@@ -109,12 +109,14 @@ void add_run(const RunProgress& progress, CellTime now, std::vector<AlarmConditi
   constexpr double kWorthAnAlarm_s = 60;
   const bool is_moment = run.hold.kind == RunHold::Kind::condition &&
                          seconds_from(now - run.hold.at) < kWorthAnAlarm_s;
+  // One that waits for a person is explained by no other alarm: it still waits when that is over.
+  const bool asks_a_person = run.hold.kind == RunHold::Kind::trouble;
   if (run.state == RunState::waiting && !is_moment)
     out.push_back({.level = AlarmLevel::warning,
                    .kind = "run.waiting",
                    .subject = run_subject(run.id),
                    .message = fmt::format("run {} waits: {}", run.id.value, run.reason),
-                   .detail = run.reason});
+                   .detail = asks_a_person ? std::string() : run.reason});
   // A person who paused a run knows of it; nobody knows of one that the daemon stopped.
   const bool by_daemon =
       run.hold.kind == RunHold::Kind::trouble || run.hold.kind == RunHold::Kind::restart;

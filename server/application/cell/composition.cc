@@ -87,7 +87,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
               [this](const DatumRecord& datum) { manual.take_datum(datum); },
               [this](AlarmCondition condition) { alarms.note(std::move(condition)); },
               [this](RunControl& control) { holds.look_before_motion(control); },
-              [this] { return holds.marks(); },
+              [this] { return holds.take_marks(); },
               [this](const RunAhead& ahead) { return durations.look_ahead(ahead); },
               [this](RunSteps steps) { durations.add(std::move(steps)); },
               [this](const std::vector<ChannelValue>& values) {

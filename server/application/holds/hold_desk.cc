@@ -54,7 +54,24 @@ void HoldDesk::look(HoldWatch::Look look) {
     else
       rule.watch.look(value_of(rule.watch.rule()), now, look);
     tell(rule);
+    follow_mark(rule);
   }
+}
+
+// A hold may begin and end while one point is measured, and nobody asks meanwhile.
+void HoldDesk::follow_mark(Rule& rule) {
+  const auto& watch = rule.watch;
+  const bool marks = watch.phase() == HoldWatch::Phase::holding && watch.rule().marks;
+  if (marks && counts(rule)) {
+    if (!rule.marking)
+      rule.marking =
+          HoldMark{std::max(watch.since(), rule.marks_from), std::nullopt, watch.sentence()};
+    return;
+  }
+  auto ended = std::exchange(rule.marking, std::nullopt);
+  if (!ended || world_.control() == nullptr) return;  // without a run there is no point to mark
+  ended->until = clock_.now().utc;
+  ended_marks_.push_back(*std::move(ended));
 }
 
 void HoldDesk::tell(Rule& rule) {
@@ -129,11 +146,10 @@ std::optional<double> HoldDesk::value_of(const HoldRule& rule) const {
   return other ? std::optional(*one - *other) : std::nullopt;
 }
 
-std::vector<HoldMark> HoldDesk::marks() const {
-  std::vector<HoldMark> marks;
+std::vector<HoldMark> HoldDesk::take_marks() {
+  auto marks = std::exchange(ended_marks_, {});
   for (const auto& rule : rules_)
-    if (rule.watch.phase() == HoldWatch::Phase::holding && rule.watch.rule().marks && counts(rule))
-      marks.push_back({rule.watch.since(), rule.watch.sentence()});
+    if (rule.marking) marks.push_back(*rule.marking);
   return marks;
 }
 
@@ -186,9 +202,12 @@ Result<HoldStatus> HoldDesk::set_aside(const Caller& caller, const std::string& 
                             "recorded",
                             name));
   const auto now = clock_.now().utc;
+  const auto was_aside_until = rule->aside_until;
   rule->aside_until = for_s > 0 ? now + nanoseconds_from_s(for_s) : CellTime{};
+  rule->marks_from = for_s > 0 ? rule->aside_until : std::min(now, was_aside_until);
   rule->aside_by = caller.name;
   rule->aside_reason = reason;
+  follow_mark(*rule);
   events_.record(caller, for_s > 0 ? "hold.set_aside" : "hold.in_force",
                  for_s > 0 ? fmt::format("{} sets hold {} aside for {:g} s: {}", caller.name, name,
                                          for_s, reason)

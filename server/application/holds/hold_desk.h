@@ -36,8 +36,9 @@ class HoldDesk final : public Holds {
   // Before a run moves for the first time, and before it is gone on with: what is exceeded now
   // holds at once.
   void look_before_motion(RunControl& control);
-  // Rules that hold, or are exceeded, and mark points; since when.
-  std::vector<HoldMark> marks() const;
+  // Stretches of the rules that mark points: those that hold now, and those that have ended since
+  // this was asked last, each from the first value beyond the limit on.
+  std::vector<HoldMark> take_marks();
 
   // Something keeps a run, and all that does is within its release limits: the settle time is
   // counted.
@@ -51,12 +52,15 @@ class HoldDesk final : public Holds {
   struct Rule {
     HoldWatch watch;
     CellTime aside_until = {};
+    CellTime marks_from = {};  // it was set aside before
     std::string aside_by = {}, aside_reason = {};
-    bool told = false;  // that it holds, as an event
+    bool told = false;                     // that it holds, as an event
+    std::optional<HoldMark> marking = {};  // while it holds, counts and marks
   };
   Awaitable<void> look_for_ever();
   void look(HoldWatch::Look look);
   void tell(Rule& rule);
+  void follow_mark(Rule& rule);
   void apply(RunControl* control);
   void end_where_it_must();
   bool counts(const Rule& rule) const;
@@ -73,6 +77,7 @@ class HoldDesk final : public Holds {
   TaskGroup& tasks_;
   World world_;
   std::vector<Rule> rules_;
+  std::vector<HoldMark> ended_marks_;  // of holds that are over, not taken yet
   Signal wake_;
   bool ending_ = false, asked_to_end_ = false;
 };

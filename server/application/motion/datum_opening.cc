@@ -11,6 +11,7 @@
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/start_checks.h"
 #include "server/application/motion/until_stored.h"
+#include "server/application/motion/zero_visit.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -169,6 +170,13 @@ void add_slow_of_zero(std::vector<ChannelValue>& values, const RunScope& scope,
     values.push_back({force->name(), *known_n});
 }
 
+// Anew after each approach: the axes stand elsewhere by some nanometres.
+Awaitable<Result<void>> zero_lengths(DeviceBench& devices) {
+  for (const auto device : devices.with_role(DeviceRole::length))
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await devices.zero(device));
+  co_return Result<void>{};
+}
+
 bool is_angle_of(const CellDescription& description, const std::string& channel) {
   for (const auto& angle : description.angle_channels())
     if (angle.name() == channel) return true;
@@ -241,8 +249,13 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_drift(scope));
 
   scope.phase("zeroing");
+  ZeroVisit at_zero;
+  at_zero.cause = "zero: " + opening.reason;
+  at_zero.is_there = true;
+  at_zero.in_datum = false;
   if (!beam_was_lost) {  // again, as close to the zeroing as can be
-    old_zero = co_await take_readings(scope, scope.rules.readings_per_point, zero_mm);
+    auto visiting = visit_zero(scope, at_zero);
+    old_zero = co_await std::move(visiting);
     DRIFTWISE_CO_RETURN_IF_ERROR(old_zero);
   }
   const bool has_old_zero = old_zero && !zeroing;
@@ -256,10 +269,9 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
     auto beginning = begin_zeroing(scope, std::move(comparison));
     DRIFTWISE_CO_TRY(zeroing, co_await std::move(beginning));
   }
-  for (const auto device : bench.devices.with_role(DeviceRole::length))
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.zero(device));
-  DRIFTWISE_CO_TRY(auto new_zero,
-                   co_await take_readings(scope, scope.rules.readings_per_point, zero_mm));
+  at_zero.arrived = [&bench] { return zero_lengths(bench.devices); };
+  auto visiting = visit_zero(scope, std::move(at_zero));
+  DRIFTWISE_CO_TRY(auto new_zero, co_await std::move(visiting));
   DRIFTWISE_CO_RETURN_IF_ERROR(bench.doubts.check_zero(new_zero.raw));
 
   DatumRecord datum{{}, scope.run, new_zero.measured, opening.reason, {}};

@@ -29,8 +29,9 @@ inline constexpr const char* kZeroDevice = "zero";
 // the instruments were zeroed since the datum before), rotations as the autocollimators read them,
 // every temperature, the force that acts; with a datum before also zero_predicted_nm,
 // zero_found_nm, zero_difference_nm, zero_limit_nm of the length that differs most, by the first
-// zeroing since that datum. A run waits while the disk takes nothing. Errors: those of the checks
-// and devices; those of the store, without a run resource_exhausted among them.
+// zeroing since that datum. Readings before and after the zeroing have the budget of a row
+// (zero_visit.h). A run waits while the disk takes nothing. Errors: those of the checks and
+// devices; ZERO_NOT_REACHED; those of the store, without a run resource_exhausted among them.
 Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening);
 
 // The warming of every temperature of the cell between a datum's zeroing and a set of values;

@@ -238,6 +238,7 @@ Awaitable<Result<Arrival>> go_straight(RunScope& scope, const std::vector<double
                                        std::vector<double> q_mm, std::string cause,
                                        AxesToMove moved) {
   scope.at_rest.reset();
+  note_sides(scope, from_mm, q_mm);
   scope.bench.writer.add(
       MoveRecord{scope.run, scope.bench.clock.now(), from_mm, q_mm, std::move(cause)});
   auto arrival = co_await move_and_settle(scope, q_mm, moved);
@@ -290,7 +291,6 @@ Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std:
     DRIFTWISE_CO_TRY(from, co_await scope.bench.devices.motion_state());
     DRIFTWISE_CO_RETURN_IF_ERROR(check_keep_out(cell, from.q_mm, q_mm));
   }
-  note_sides(scope, from.q_mm, q_mm);
   co_return co_await go_straight(scope, from.q_mm, std::move(q_mm), std::move(cause), moved);
 }
 

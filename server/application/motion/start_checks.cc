@@ -176,6 +176,8 @@ Awaitable<Result<void>> make_homed(RunScope& scope, bool in_any_case) {
     }
   }
   scope.phase("homing");
+  // The controller's own search ends from a side that nobody is told.
+  scope.sides.assign(cell.motor_channels().size(), '?');
   co_return co_await scope.bench.devices.home();
 }
 

@@ -10,6 +10,7 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/lag_meter.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/recording/axes_to_move.h"
 #include "server/application/recording/device_bench.h"
 #include "server/application/recording/pose_stage.h"
 #include "server/application/recording/recorder.h"
@@ -48,6 +49,7 @@ struct RunScope {
   // Since when the axes stand where they were sent; none: they are on their way.
   std::optional<CellTime> at_rest = {};
   std::string sides = {};  // from which each axis came where it is: '+', '-', '?'; one per axis
+  AxesToMove moved = {};   // by the rows of the run; the others stay at 0
 
   // Until the instant, or earlier with an error when the run is aborted or the daemon ends.
   Awaitable<Result<void>> sleep_until(CellTime instant) {

@@ -28,11 +28,12 @@ struct ActiveRun {
         trajectory(std::move(t)),
         control(executor),
         scope{bench, control, plan.rules, record.id, {}, {}, {}},
-        moved(axes_moved_by(bench.description, trajectory.coordinates)),
         length(trajectory),
         meter(planned_visit_s(plan.rules)),
         closure_rules(formats::closure_rules_of(bench.description)),
-        closure_judge(bench.description, closure_rules) {}
+        closure_judge(bench.description, closure_rules) {
+    scope.moved = axes_moved_by(bench.description, trajectory.coordinates);
+  }
   ActiveRun(const ActiveRun&) = delete;
 
   RunRecord record;
@@ -40,10 +41,12 @@ struct ActiveRun {
   Trajectory trajectory;
   RunControl control;
   RunScope scope;
-  AxesToMove moved;  // by its rows; the others stay at 0
   PlanLength length;
   StepMeter meter;
-  bool continued = false;            // was under way when the daemon ended
+  bool continued = false;  // was under way when the daemon ended
+  // Plan and trajectory could not be read. Its record in the store stays as the last daemon left
+  // it, but for what a person wants: the next start decides by it.
+  bool unread = false;
   std::optional<DatumRecord> datum;  // the present one
   Closures closures;                 // of the present datum
   ClosureRules closure_rules;

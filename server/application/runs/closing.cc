@@ -11,6 +11,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/until_stored.h"
+#include "server/application/motion/zero_visit.h"
 #include "server/application/runs/run_engine.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -183,11 +184,16 @@ Closure RunEngine::zero_of_datum(const ActiveRun& run) const {
   return zero;
 }
 
-Awaitable<Result<std::vector<ChannelValue>>> RunEngine::read_zero(ActiveRun& run, Stamp& measured) {
-  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
-  DRIFTWISE_CO_TRY(auto sampling,
-                   co_await take_readings(run.scope, run.plan.rules.readings_per_point, zero_mm));
-  for (auto& reading : sampling.readings) bench_.writer.add(std::move(reading));
+Awaitable<Result<std::vector<ChannelValue>>> RunEngine::visit_zero_and_join(ActiveRun& run,
+                                                                            std::string cause,
+                                                                            Stamp& measured) {
+  ZeroVisit visit;
+  visit.cause = std::move(cause);
+  visit.took = [this](Sampling& sampling) {
+    for (auto& reading : sampling.readings) bench_.writer.add(std::move(reading));
+  };
+  auto visiting = visit_zero(run.scope, std::move(visit));
+  DRIFTWISE_CO_TRY(const auto sampling, co_await std::move(visiting));
   DRIFTWISE_CO_TRY(auto values, co_await join_when_scanned(run.scope, sampling.measured.utc));
   const auto motors = bench_.description.motor_channels();
   for (std::size_t i = 0; i < motors.size(); ++i)
@@ -195,6 +201,24 @@ Awaitable<Result<std::vector<ChannelValue>>> RunEngine::read_zero(ActiveRun& run
   values.insert(values.end(), sampling.means.begin(), sampling.means.end());
   measured = sampling.measured;
   co_return values;
+}
+
+Awaitable<Result<void>> RunEngine::go_to_zero(ActiveRun& run, std::string why) {
+  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, zero_mm, std::move(why)));
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run) {
+  const auto last = static_cast<std::size_t>(run.since_return.last_row);
+  const auto line = run.trajectory.points[last].line;
+  Stamp measured;
+  auto visiting = visit_zero_and_join(run, fmt::format("zero after line {}", line), measured);
+  DRIFTWISE_CO_TRY(auto values, co_await std::move(visiting));
+  auto noting = note_closure(run, std::move(values), measured, line);
+  if (auto ok = co_await std::move(noting); !ok) co_return ok;
+  run.since_return.returned = true;  // also where no instrument measures it
+  co_return co_await store_lag(run);
 }
 
 // The zero once more, approached from another side; none: there is no room, or the side is not
@@ -205,7 +229,7 @@ Awaitable<Result<std::optional<Closure>>> RunEngine::close_from_side(ActiveRun& 
   std::vector<double> zero_mm(axes.size(), 0.0), aside_mm(axes.size(), 0.0);
   for (std::size_t i = 0; i < std::min(axes.size(), side.size()); ++i) {
     const char here = run.scope.sides[i];
-    if (here == '?' || side[i] == here || !run.moved.contains(i)) continue;
+    if (here == '?' || side[i] == here || !run.scope.moved.contains(i)) continue;
     const double away_mm = std::max(run.plan.rules.reapproach_mm, 1e-3);
     aside_mm[i] = here == '-' ? away_mm : -away_mm;
     if (aside_mm[i] < axes[i].min_mm || aside_mm[i] > axes[i].max_mm)
@@ -214,9 +238,9 @@ Awaitable<Result<std::optional<Closure>>> RunEngine::close_from_side(ActiveRun& 
   if (aside_mm == zero_mm || !check_keep_out(bench_.description, zero_mm, aside_mm))
     co_return std::optional<Closure>{};
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, aside_mm, "aside of the zero"));
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to_zero(run, "zero from the other side"));
   Stamp measured;
-  DRIFTWISE_CO_TRY(const auto values, co_await read_zero(run, measured));
+  auto visiting = visit_zero_and_join(run, "zero from the other side", measured);
+  DRIFTWISE_CO_TRY(const auto values, co_await std::move(visiting));
   co_return std::optional(closure_of(run, values, measured.utc));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-// Points measured since an instant rest on a cell beyond a limit ([[hold]]).
+// Points measured in a stretch of time rest on a cell beyond a limit ([[hold]]).
 
+#include <optional>
 #include <string>
 
 #include "server/core/cell_time.h"
@@ -9,6 +10,7 @@ namespace driftwise::application {
 
 struct HoldMark {
   CellTime since;
+  std::optional<CellTime> until;  // none: it still is
   std::string reason;
 };
 

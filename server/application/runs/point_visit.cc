@@ -11,6 +11,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/point_decision.h"
 #include "server/application/motion/sampling.h"
+#include "server/application/motion/sampling_gates.h"
 #include "server/application/motion/until_stored.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -28,7 +29,7 @@ std::vector<double> aside_of(const ActiveRun& run, std::vector<double> q_mm) {
   const double away_mm = run.plan.rules.reapproach_mm;
   const auto axes = run.scope.bench.description.axes();
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    if (!run.moved.contains(i)) continue;
+    if (!run.scope.moved.contains(i)) continue;
     double& q = q_mm[i];
     q += q > 0 ? -away_mm : away_mm;
     q = std::clamp(q, axes[i].min_mm, axes[i].max_mm);
@@ -79,31 +80,6 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit, const RowComman
   return point;
 }
 
-// Declared standard uncertainties that the readings of a rotation may spread by.
-constexpr double kOwnSpread = 3;
-
-// A coordinate whose second instrument says something else, or nothing; empty: all are confirmed.
-std::string unconfirmed(const ActiveRun& run, const Sampling& sampling) {
-  const auto* setup = run.scope.bench.devices.setup();
-  if (!setup) return {};
-  for (const auto& one : setup->confirmations) {
-    const double* measured = find_value(sampling.means, one.channel.name());
-    if (!measured) continue;  // out of its range: there is nothing to confirm
-    const auto by = std::ranges::find(setup->coordinates, one.channel, &SetupCoordinate::channel);
-    const auto* confirmed = find_value(sampling.means, one.confirmed().name());
-    if (!confirmed)
-      return fmt::format("{} is {:.3f} by '{}' and not confirmed: '{}' gives no value",
-                         one.channel.name(), *measured, by->device, one.device);
-    const double difference = *confirmed - *measured;
-    if (std::abs(difference) > one.limit)
-      return fmt::format(
-          "{} is {:.3f} by '{}' and {:.3f} by '{}': difference {:+.3f} {}, limit {:g}",
-          one.channel.name(), *measured, by->device, *confirmed, one.device, difference,
-          one.channel.unit, one.limit);
-  }
-  return {};
-}
-
 // Reads and judges; the axis stands where it should.
 Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit, const RowCommand& command,
                                       const Arrival& arrival, AttemptRecord& record) {
@@ -113,30 +89,10 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit, const 
   record.readings = sampling.readings;
   record.spread_nm = sampling.spread_nm;
   run.progress.last_spread_nm = sampling.spread_nm;
-  if (sampling.spread_nm > rules.max_spread_nm) {
-    record.reason =
-        spread_sentence(sampling.spread_nm, rules.readings_per_point, rules.max_spread_nm);
-    co_return Attempt{Trouble::spread, {}};
-  }
-  for (const auto& rotation : sampling.rotations) {
-    // An instrument of coarse steps spreads by what it declares.
-    const double limit_arcsec = std::max(rules.max_spread_arcsec, kOwnSpread * rotation.u_arcsec);
-    if (!(rotation.arcsec > limit_arcsec)) continue;
-    record.reason = spread_sentence_arcsec(rotation.channel, rotation.arcsec,
-                                           rules.readings_per_point, limit_arcsec);
-    co_return Attempt{Trouble::spread, {}};
-  }
-  if (auto doubt = unconfirmed(run, sampling); !doubt.empty()) {
-    record.reason = std::move(doubt);
-    co_return Attempt{Trouble::spread, {}};
-  }
-  // A scale that jumps or wanders while the instruments are read gives no position.
-  if (sampling.off_nm > rules.in_position_nm || sampling.peak_to_peak_nm > rules.in_position_nm) {
-    record.reason = fmt::format(
-        "the readback was up to {:.0f} nm from the commanded position and moved by {:.0f} nm peak "
-        "to peak while the instruments were read, limit {:g} nm",
-        sampling.off_nm, sampling.peak_to_peak_nm, rules.in_position_nm);
-    co_return Attempt{Trouble::not_settled, {}};
+  auto found = judge_sampling(sampling, rules, run.scope.bench.devices.setup());
+  if (found.trouble != Trouble::none) {
+    record.reason = std::move(found.sentence);
+    co_return Attempt{found.trouble, {}};
   }
   DRIFTWISE_CO_TRY(const auto slow, co_await join_when_scanned(run.scope, sampling.measured.utc));
   co_return Attempt{Trouble::none, make_point(run, visit, command, arrival, sampling, slow)};
@@ -157,12 +113,13 @@ Awaitable<Result<void>> come_to_row(ActiveRun& run, const Visit& visit,
     if (check_keep_out(run.scope.bench.description, stand.command.q_mm, aside_mm))
       DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, std::move(aside_mm),
                                                   fmt::format("aside of row {}", visit.row + 1),
-                                                  run.moved));
+                                                  run.scope.moved));
   }
   DRIFTWISE_CO_TRY(auto command, command_for(run, row));
   stand.command = std::move(command);
-  DRIFTWISE_CO_TRY(auto arrival, co_await go_to(run.scope, stand.command.q_mm,
-                                                fmt::format("row {}", visit.row + 1), run.moved));
+  DRIFTWISE_CO_TRY(auto arrival,
+                   co_await go_to(run.scope, stand.command.q_mm,
+                                  fmt::format("row {}", visit.row + 1), run.scope.moved));
   stand.arrival = std::move(arrival);
   if (row.dwell_s && stand.arrival.trouble == Trouble::none) {
     run.scope.phase("dwelling");

@@ -17,7 +17,7 @@ namespace driftwise::application {
 class RightToMove {
  public:
   RightToMove(asio::any_io_executor executor, Clock& clock, const StopDesk& stops,
-              const LeaseBook& leases, const RunEngine& engine)
+              const LeaseBook& leases, RunEngine& engine)
       : executor_(executor),
         clock_(clock),
         stops_(stops),
@@ -38,15 +38,21 @@ class RightToMove {
   // The movement by hand under way; none: nullptr.
   RunControl* by_hand() { return by_hand_ ? &*by_hand_ : nullptr; }
   const RunControl* by_hand() const { return by_hand_ ? &*by_hand_ : nullptr; }
-  RunControl& begin_by_hand() { return by_hand_.emplace(executor_); }
-  void end_by_hand() { by_hand_.reset(); }
+  RunControl& begin_by_hand() {
+    engine_.lend_axes(true);
+    return by_hand_.emplace(executor_);
+  }
+  void end_by_hand() {
+    by_hand_.reset();
+    engine_.lend_axes(false);
+  }
 
  private:
   asio::any_io_executor executor_;
   Clock& clock_;
   const StopDesk& stops_;
   const LeaseBook& leases_;
-  const RunEngine& engine_;
+  RunEngine& engine_;
   AsyncMutex beginning_;
   std::optional<RunControl> by_hand_;
 };

@@ -32,16 +32,38 @@ RunEngine::~RunEngine() = default;
 void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
                       std::optional<RunBefore> before, bool asked_for, std::string announce) {
   assert(!run_);
+  before_ = std::move(before);
+  may_start_ = asked_for;
+  begins_by_itself_ = std::move(announce);
+  make_run(std::move(record), std::move(plan), std::move(trajectory));
+  tasks_.spawn(execute());
+}
+
+void RunEngine::begin_unread(RunRecord record, Error why, ReadBasis read) {
+  assert(!run_);
+  before_.reset();
+  may_start_ = false;
+  begins_by_itself_.clear();
+  read_basis_ = std::move(read);
+  make_run(std::move(record), {}, {});
+  auto& run = *run_;
+  run.unread = true;
+  if (run.record.state == RunState::paused)  // whoever paused it resumes it
+    run.control.hold(stored_hold(run.record, bench_.clock.now().utc));
+  else
+    ask_to_mend(run, why);
+  run.record.hold = {};  // in force again as soon as the engine stands
+  tasks_.spawn(execute());
+}
+
+void RunEngine::make_run(RunRecord record, RunPlan plan, Trajectory trajectory) {
   run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
                                      std::move(trajectory));
-  before_ = std::move(before);
   auto& run = *run_;
-  may_start_ = asked_for;
   had_datum_ = before_ && !before_->data.empty();
   stands_ = computer_was_away_ = false;
   announcement_.clear();
   outlook_.begin_anew();
-  begins_by_itself_ = std::move(announce);
   counted_accepted_ = run.record.accepted;
   counted_given_up_ = run.record.given_up;
   run.continued = before_.has_value();
@@ -56,7 +78,6 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
   hooks_.look_at_cell(run.control);
   use_setup(run);
   if (shutting_down_) run.control.shut_down();
-  tasks_.spawn(execute());
 }
 
 // The set-up stays in use after the run: what was zeroed with it counts from this datum.
@@ -69,10 +90,13 @@ void RunEngine::use_setup(const ActiveRun& run) {
 }
 
 Awaitable<void> RunEngine::execute() {
-  auto& run = *run_;
   bench_.lag.start_again();
   bench_.recorder.lend_pose_instruments(true);
-  Result<void> outcome = co_await take_up(run);
+  Result<void> outcome;
+  if (read_basis_) outcome = co_await stand_unread();
+  read_basis_ = {};
+  auto& run = *run_;  // another one than before, where it stood
+  if (outcome) outcome = co_await take_up(run);
   if (outcome) outcome = check_setup(bench_.description, run.plan.setup);
   if (outcome) outcome = co_await carry_out(run);
   co_await finish(run, outcome);
@@ -150,38 +174,6 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
   }
 }
 
-// Until a person resumes, or the condition is over; then the devices are looked at as after any
-// trouble.
-Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
-  if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
-  const bool by_person = run.control.hold().kind != RunHold::Kind::condition;
-  // An axis that cannot be reached stands by its own watchdog.
-  if (!by_person) static_cast<void>(co_await bench_.devices.stop());
-  if (auto ok = co_await mark_held(run); !ok) co_return ok;
-  if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
-  co_return co_await look_again(run, remedy_for(trouble), by_person);
-}
-
-// The stop itself is the desk's; the run is paused once the controllers have confirmed it.
-Awaitable<Result<void>> RunEngine::wait_until_stopped(ActiveRun& run) {
-  run.control.take_halt();
-  bool told = false;
-  while (bench_.stops.pending()) {
-    auto unconfirmed = bench_.stops.unconfirmed();
-    if (!unconfirmed.empty() && !std::exchange(told, true)) {
-      run.scope.phase("stopping");
-      auto reason = std::move(unconfirmed.front().sentence);
-      if (auto ok = co_await change(run, RunState::waiting, std::move(reason)); !ok) co_return ok;
-    }
-    const double pause_s = std::max(0.1, 0.02 * bench_.clock.speed());
-    co_await sleep_unless(bench_.clock, bench_.clock.now().utc + nanoseconds_from_s(pause_s),
-                          run.control.changed());
-    run.control.take_halt();  // pressed again
-    if (auto ok = run.control.check(); !ok) co_return ok;
-  }
-  co_return Result<void>{};
-}
-
 Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
   if (run.control.held()) {
     const auto kind = run.control.hold().kind;
@@ -194,7 +186,11 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     if (auto ok = co_await bring_force(run); !ok) co_return ok;
     if (auto ok = co_await new_datum(run); !ok) co_return ok;
   }
-  while (const auto visit = next_visit(run.trajectory, run.record.place)) {
+  while (true) {
+    if (return_is_owed(run))
+      if (auto ok = co_await return_to_zero(run); !ok) co_return ok;
+    const auto visit = next_visit(run.trajectory, run.record.place);
+    if (!visit) break;
     if (auto ok = run.control.check(); !ok) co_return ok;
     if (run.control.held()) {
       if (auto ok = co_await mark_held(run); !ok) co_return ok;
@@ -225,10 +221,15 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     }
     publish();
     if (result.verdict == Verdict::given_up) hold_if_too_many_were_given_up(run);
-    if (return_to_zero_is_due(run.trajectory, run.record.place, visit->row))
-      if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
   }
+  if (auto ok = co_await mark_held(run); !ok) co_return ok;
   co_return co_await mark_doubted(run);
+}
+
+// Not while a datum is wanted: what was measured counts from none that could be found again.
+bool RunEngine::return_is_owed(const ActiveRun& run) const {
+  return run.datum && !wanted_datum_ &&
+         return_to_zero_is_owed(run.trajectory, run.record.place, run.since_return);
 }
 
 // Everything that hangs on the end-effector is taken off, and the axes return to zero.
@@ -312,25 +313,10 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
 // Points that were measured while a limit of the cell was exceeded.
 Awaitable<Result<void>> RunEngine::mark_held(ActiveRun& run) {
   for (const auto& mark : hooks_.hold_marks()) {
-    auto rows = run.since_closure.take_from(mark.since);
+    auto rows = run.since_closure.take_from(mark.since, mark.until);
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await mark_rows(run, std::move(rows), mark.reason));
   }
   co_return Result<void>{};
-}
-
-Awaitable<Result<void>> RunEngine::go_to_zero(ActiveRun& run, std::string why) {
-  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, zero_mm, std::move(why)));
-  co_return Result<void>{};
-}
-
-Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to_zero(run, fmt::format("zero after line {}", line)));
-  Stamp measured;
-  DRIFTWISE_CO_TRY(auto values, co_await read_zero(run, measured));
-  auto noting = note_closure(run, std::move(values), measured, line);
-  if (auto ok = co_await std::move(noting); !ok) co_return ok;
-  co_return co_await store_lag(run);
 }
 
 // Once a line, where it grew by more than a poll: a kill must not take the largest lag along.
@@ -339,94 +325,6 @@ Awaitable<Result<void>> RunEngine::store_lag(ActiveRun& run) {
   if (bench_.lag.largest_s() < run.record.max_lag_s + kWorthACommit_s) co_return Result<void>{};
   run.record.max_lag_s = bench_.lag.largest_s();
   co_return co_await store_state(run);
-}
-
-Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
-                                            int troubles_in_a_row) {
-  constexpr int kPatience = 5;
-  auto remedy = remedy_for(error);
-  if (remedy == Remedy::leave || remedy == Remedy::abort || remedy == Remedy::fail)
-    co_return tl::unexpected(error);
-  run.scope.phase("waiting");
-  // First of all: the mark may wait for the disk. An axis that cannot be reached stands by its own
-  // watchdog.
-  static_cast<void>(co_await bench_.devices.stop());
-  if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
-  bench_.events.record_own("run.trouble", error.message, run.record.id);
-  // A device that says what cannot be is waited for: it may be right again after hours. Weights
-  // that stick are mended by a person, who need not know that a run waits for them.
-  const bool by_weights = is_of_weights(error);
-  if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device &&
-      !is_device_loss(error) && error.reason != reasons::kImplausible && !by_weights)
-    remedy = Remedy::hold;
-  if (remedy == Remedy::hold) {
-    run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc, error.message});
-    if (auto ok = co_await hold(run, RunState::waiting); !ok) co_return ok;
-  } else if (auto ok = co_await change(run, RunState::waiting, error.message); !ok) {
-    co_return ok;
-  }
-  if (by_weights) {
-    constexpr double kLongest_s = 30;
-    const double pause_s = std::min(kLongest_s, 2.0 * troubles_in_a_row);
-    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
-  }
-  // Where only the next move shows it, it is not tried all the time: each is an alarm.
-  if (error.reason == reasons::kImplausible && troubles_in_a_row > 1) {
-    constexpr double kFirst_s = 5, kLongest_s = 600;
-    const double pause_s = std::min(kLongest_s, kFirst_s * std::exp2(troubles_in_a_row - 1));
-    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
-  }
-  co_return co_await look_again(run, remedy, remedy == Remedy::hold);
-}
-
-// asked_for: a person has said just now that the robot may move.
-Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy, bool asked_for) {
-  DRIFTWISE_CO_TRY(const auto recovery, co_await wait_for_devices(run.scope));
-  if (recovery.reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
-  const bool beam_lost = recovery.beam_lost || remedy == Remedy::new_datum;
-  if (beam_lost || recovery.reference_lost)
-    wanted_datum_ =
-        DatumOpening{beam_lost ? "beam lost" : "reference lost", recovery.reference_lost, false,
-                     beam_lost ? std::nullopt : run.datum, run.closures};
-  co_return co_await change(run, RunState::running, "");
-}
-
-Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
-  // Meanwhile the recorder shows where the axes and the lengths are, and a person may move them.
-  bench_.recorder.lend_pose_instruments(false);
-  Result<void> may_continue = run.control.check();
-  while (may_continue && run.control.held()) {
-    const bool by_itself = run.control.hold().kind == RunHold::Kind::condition;
-    // A person's time is nobody's to foresee; a cell's waits are.
-    if (by_itself)
-      run.meter.let_go(bench_.clock.now().utc);
-    else
-      run.meter.keep(bench_.clock.now().utc);
-    if (run.record.hold != run.control.hold()) {  // the first, or one that came on top of it
-      run.record.hold = run.control.hold();
-      const auto now = by_itself ? RunState::waiting : state;
-      may_continue = co_await change(run, now, run.record.hold.reason);
-      run.scope.phase(by_itself                 ? "waiting for the cell"
-                      : now == RunState::paused ? "paused"
-                                                : "waiting for a person");
-    } else {
-      stands_ = !by_itself;  // it may go on at any moment: nobody moves the axes meanwhile
-      may_continue = co_await wait_for_change(run);
-      stands_ = false;
-    }
-    if (may_continue && !run.control.held()) hooks_.look_at_cell(run.control);
-    if (may_continue) may_continue = run.control.check();
-  }
-  run.meter.let_go(bench_.clock.now().utc);
-  bench_.recorder.lend_pose_instruments(true);
-  if (!may_continue) co_return may_continue;
-  // Whoever ended it has said that the robot may move; who accepted a cell file has not, nor has a
-  // cell that is within its limits again.
-  if (run.record.hold.kind != RunHold::Kind::configuration &&
-      run.record.hold.kind != RunHold::Kind::condition)
-    may_start_ = true;
-  run.record.hold = {};
-  co_return co_await change(run, RunState::running, "");
 }
 
 Awaitable<Result<void>> RunEngine::change(ActiveRun& run, RunState state, std::string reason) {
@@ -441,6 +339,7 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   const auto remedy = outcome ? Remedy::abort : remedy_for(outcome.error());
   if (!outcome) static_cast<void>(co_await bench_.devices.stop());
   if (!outcome) static_cast<void>(co_await mark_doubted(run));
+  if (!outcome) static_cast<void>(co_await mark_held(run));
   if (!outcome && remedy == Remedy::leave) {
     adopt_pause(run);
     const auto state = run.record.state == RunState::paused ? RunState::paused : RunState::waiting;
@@ -484,7 +383,7 @@ void RunEngine::publish() {
   run.progress.unstored = run.state_unstored;
   const bool over = is_over(run.record.state);
   const auto now = bench_.clock.now().utc;
-  run.progress.outlook = over ? Outlook{} : outlook_.of(run, now, hooks_.look_ahead);
+  run.progress.outlook = over || run.unread ? Outlook{} : outlook_.of(run, now, hooks_.look_ahead);
   run.progress.remaining_s = run.progress.outlook.expected_s;
   run.progress.estimated_end =
       over ? run.record.ended : now + nanoseconds_from_s(run.progress.remaining_s);

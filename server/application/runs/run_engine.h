@@ -29,6 +29,14 @@ struct RunBefore {
   std::optional<StepMeter> meter;  // what its rows took
 };
 
+// What a run goes by.
+struct RunBasis {
+  RunPlan plan;
+  Trajectory trajectory;
+  std::optional<RunBefore> before;
+};
+using ReadBasis = std::function<Awaitable<Result<RunBasis>>()>;
+
 class RunEngine {
  public:
   struct Hooks {
@@ -36,7 +44,7 @@ class RunEngine {
     std::function<void(const DatumRecord&)> datum_opened;  // serving anchors to it
     std::function<void(AlarmCondition)> alarm;             // something happened and is over at once
     std::function<void(RunControl&)> look_at_cell;         // sets what of the cell keeps a run now
-    std::function<std::vector<HoldMark>()> hold_marks;     // the points that this marks
+    std::function<std::vector<HoldMark>()> hold_marks;     // the points that these mark, once
     std::function<Outlook(const RunAhead&)> look_ahead;    // by what runs of this cell took
     std::function<void(RunSteps)> measured;                // what this one took
     // The pose that the serving model gives for these conditions; none: no model answers.
@@ -52,6 +60,11 @@ class RunEngine {
   void begin(RunRecord record, RunPlan plan, Trajectory trajectory, std::optional<RunBefore> before,
              bool asked_for, std::string announce = {});
 
+  // A run that was under way when the daemon ended, and that cannot be gone on with for this
+  // reason: it stands until a person aborts it, or resumes it and `read` succeeds. Nothing of it is
+  // lost.
+  void begin_unread(RunRecord record, Error why, ReadBasis read);
+
   // Of the run under way, as the store has it now; of another one: nothing.
   void take_metadata(RunId run, RunMetadata metadata);
 
@@ -65,9 +78,19 @@ class RunEngine {
     if (run_) run_->control.shut_down();
   }
 
+  bool shutting_down() const { return shutting_down_; }
+
+  // A movement by hand begins or is over: no run leaves a hold in between, whatever ends it.
+  void lend_axes(bool lent);
+
   bool busy() const { return run_ != nullptr; }
   // The run under way waits for a person and does nothing meanwhile: the axes may be moved by hand.
-  bool stands() const { return run_ && stands_; }
+  // Not from the instant on at which the hold was ended, and not while the cell alone keeps it: it
+  // may go on at any moment then.
+  bool stands() const {
+    return run_ && stands_ && run_->control.held() &&
+           run_->control.hold().kind != RunHold::Kind::condition;
+  }
   // It has a datum, and none is to be opened before its next point.
   bool measures() const { return run_ && run_->datum && !wanted_datum_; }
   // Before a first motion that nobody asked for: a sentence for people; empty: none is ahead.
@@ -83,37 +106,46 @@ class RunEngine {
   WatchList<RunProgress>& watchers() { return watchers_; }
 
  private:
+  void make_run(RunRecord record, RunPlan plan, Trajectory trajectory);
   Awaitable<void> execute();
   Awaitable<Result<void>> carry_out(ActiveRun& run);
   Awaitable<Result<void>> prepare(ActiveRun& run);
   Awaitable<Result<void>> walk(ActiveRun& run);
-  Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
-  Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
-  Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
-  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy, bool asked_for);
-  Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
+  bool return_is_owed(const ActiveRun& run) const;
   Awaitable<Result<void>> park(ActiveRun& run);
   void hold_if_too_many_were_given_up(ActiveRun& run);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);
   Awaitable<Result<void>> mark_held(ActiveRun& run);
-  Awaitable<Result<void>> go_to_zero(ActiveRun& run, std::string why);
-  Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
   Awaitable<Result<void>> change(ActiveRun& run, RunState state, std::string reason);
   Awaitable<Result<void>> store_lag(ActiveRun& run);
   Awaitable<void> finish(ActiveRun& run, const Result<void>& outcome);
   Awaitable<Result<void>> take_up(ActiveRun& run);
+  // waiting.cc
+  Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
+  Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
+  Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
+  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy, bool asked_for);
+  void want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost);
+  Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
+  Awaitable<Result<void>> hold_on(ActiveRun& run, RunState state);
+  void ask_to_mend(ActiveRun& run, const Error& why);
+  Awaitable<Result<void>> stand_unread();
   // clearance.cc
   Awaitable<Result<void>> clear_to_move(ActiveRun& run);
   Awaitable<Result<void>> announce_motion(ActiveRun& run, const std::string& why);
   // closing.cc
+  Awaitable<Result<void>> go_to_zero(ActiveRun& run, std::string why);
+  Awaitable<Result<void>> return_to_zero(ActiveRun& run);
   Awaitable<Result<void>> note_closure(ActiveRun& run, std::vector<ChannelValue> values,
                                        Stamp measured, std::int64_t line);
   Awaitable<Result<void>> act_on(ActiveRun& run, ClosureRecord record,
                                  plausibility::Closure closure);
   Awaitable<Result<std::optional<plausibility::Closure>>> close_from_side(ActiveRun& run,
                                                                           std::string side);
-  Awaitable<Result<std::vector<ChannelValue>>> read_zero(ActiveRun& run, Stamp& measured);
+  Awaitable<Result<std::vector<ChannelValue>>> visit_zero_and_join(ActiveRun& run,
+                                                                   std::string cause,
+                                                                   Stamp& measured);
   plausibility::Closure zero_of_datum(const ActiveRun& run) const;
   plausibility::Closure closure_of(const ActiveRun& run, const std::vector<ChannelValue>& values,
                                    CellTime measured) const;
@@ -130,8 +162,10 @@ class RunEngine {
   std::optional<RunBefore> before_;
   std::optional<RunProgress> last_progress_;
   bool shutting_down_ = false;
-  bool stands_ = false;
-  bool may_start_ = true;  // false: power or the daemon was away, and nobody has said it yet
+  bool stands_ = false;     // the engine sleeps in a hold
+  bool axes_lent_ = false;  // to a movement by hand
+  ReadBasis read_basis_;    // of a run that could not be read; empty: it was
+  bool may_start_ = true;   // false: power or the daemon was away, and nobody has said it yet
   bool computer_was_away_ = false;
   bool had_datum_ = false;  // before its first one a run has not needed a reference yet
   std::string announcement_;

@@ -19,6 +19,9 @@ void pause_by_stop(RunRecord& record, const RunHold& stop) {
 
 Awaitable<Result<void>> store_state(ActiveRun& run) {
   const auto& record = run.record;
+  const auto asked = run.control.hold().kind;
+  const bool of_person = asked == RunHold::Kind::pause || asked == RunHold::Kind::stop;
+  if (run.unread && !of_person && !is_over(record.state)) co_return Result<void>{};
   RunChange change;
   change.state = record.state;
   change.reason = record.reason;

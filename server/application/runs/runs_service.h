@@ -50,6 +50,9 @@ class RunsService final : public Runs {
   };
   Awaitable<Result<Prepared>> prepare(const CreateRun& request);
   Awaitable<Result<RunRecord>> would_be(const CreateRun& request, const Prepared& prepared);
+  // unfinished_run.cc
+  Awaitable<Result<std::optional<RunRecord>>> find_unfinished();
+  Awaitable<Result<RunBasis>> read_basis(RunRecord record);
   Awaitable<Result<RunBefore>> what_was_before(const RunRecord& run);
   Awaitable<Result<void>> follow_for(const RunPlan& plan);
   // What the targets of a compensated run's rows come from, as it is now.

@@ -27,10 +27,10 @@ std::vector<std::int64_t> SinceClosure::take(CellTime since) {
   return rows;
 }
 
-std::vector<std::int64_t> SinceClosure::take_from(CellTime since) {
+std::vector<std::int64_t> SinceClosure::take_from(CellTime since, std::optional<CellTime> until) {
   std::vector<std::int64_t> rows;
   for (auto& point : points_) {
-    if (point.taken || point.measured < since) continue;
+    if (point.taken || point.measured < since || (until && point.measured > *until)) continue;
     point.taken = true;
     rows.push_back(point.row);
   }

@@ -2,6 +2,7 @@
 // Points that rest on an instrument or a zero that was found false: kept out of fits with the mark
 // `suspect`, until a person puts them back. Nothing is deleted.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,8 @@ class SinceClosure {
   // Rows since the last good closure, and those measured after the instant, ascending; each is
   // given once.
   std::vector<std::int64_t> take(CellTime since);
-  // Rows measured at the instant or later, ascending; each is given once.
-  std::vector<std::int64_t> take_from(CellTime since);
+  // Rows measured in the stretch, both instants included, ascending; each is given once.
+  std::vector<std::int64_t> take_from(CellTime since, std::optional<CellTime> until);
 
  private:
   struct Point {

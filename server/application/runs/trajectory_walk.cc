@@ -54,15 +54,24 @@ void SinceReturn::begin(const Place& place, std::int64_t given_up_so_far) {
   first_row = place.next_row;
   given_up = given_up_so_far;
   rows.clear();
+  returned = false;
 }
 
 void SinceReturn::add(std::int64_t row, Verdict verdict) {
-  if (verdict == Verdict::accepted || verdict == Verdict::given_up)
-    rows[row] = verdict == Verdict::accepted;
+  if (verdict != Verdict::accepted && verdict != Verdict::given_up) return;
+  rows[row] = verdict == Verdict::accepted;
+  last_row = row;
+  returned = false;
 }
 
 std::int64_t SinceReturn::accepted() const {
   return std::ranges::count_if(rows, [](const auto& row) { return row.second; });
+}
+
+bool return_to_zero_is_owed(const Trajectory& trajectory, const Place& place,
+                            const SinceReturn& since) {
+  return !since.rows.empty() && !since.returned &&
+         return_to_zero_is_due(trajectory, place, since.last_row);
 }
 
 RepeatedLine repeat_since(const SinceReturn& since, const Place& place, std::int64_t given_up) {

@@ -37,10 +37,17 @@ struct SinceReturn {
   std::int64_t first_row = 0;           // the run's next row then
   std::int64_t given_up = 0;            // of the run then
   std::map<std::int64_t, bool> rows{};  // decided since: accepted, or given up
+  std::int64_t last_row = 0;            // decided last
+  bool returned = false;                // to the zero since then, whatever was found there
   void begin(const Place& place, std::int64_t given_up_so_far);
   void add(std::int64_t row, Verdict verdict);
   std::int64_t accepted() const;
 };
+
+// By what is known, not by what was done last: a return that was interrupted stays owed. Its line
+// is that of the row decided last.
+bool return_to_zero_is_owed(const Trajectory& trajectory, const Place& place,
+                            const SinceReturn& since);
 
 // All of it is visited again: the rows from the first one on by walking, those that were queued
 // before it from the queue. given_up: of the run now.

@@ -11,30 +11,52 @@
 
 namespace driftwise::application {
 
-Awaitable<Result<void>> RunsService::continue_unfinished() {
-  DRIFTWISE_CO_TRY(
-      auto unfinished, co_await reader_.call([](Store& store) -> Result<std::optional<RunRecord>> {
-        auto run = store.runs().unfinished_run();
-        if (!run || *run) return run;
-        DRIFTWISE_TRY(auto newest, store.runs().runs(1, 0));  // created, and killed before it began
-        if (!newest.empty() && newest.front().state == RunState::queued) return newest.front();
-        return std::nullopt;
-      }));
-  if (!unfinished) co_return Result<void>{};
-  auto record = std::move(*unfinished);
-  DRIFTWISE_CO_TRY(auto trajectory,
+// Tried again for a while: of a run that is not found nobody can ask for anything, and the queue
+// waits for its end.
+Awaitable<Result<std::optional<RunRecord>>> RunsService::find_unfinished() {
+  constexpr int kTries = 10;
+  for (int tried = 1;; ++tried) {
+    auto unfinished = co_await reader_.call([](Store& store) -> Result<std::optional<RunRecord>> {
+      auto run = store.runs().unfinished_run();
+      if (!run || *run) return run;
+      DRIFTWISE_TRY(auto newest, store.runs().runs(1, 0));  // created, and killed before it began
+      if (!newest.empty() && newest.front().state == RunState::queued) return newest.front();
+      return std::nullopt;
+    });
+    if (unfinished || tried == kTries || engine_.shutting_down()) co_return unfinished;
+    co_await clock_.sleep_for(std::chrono::seconds(1));
+  }
+}
+
+Awaitable<Result<RunBasis>> RunsService::read_basis(RunRecord record) {
+  RunBasis basis;
+  DRIFTWISE_CO_TRY(basis.trajectory,
                    co_await run_on(background_, formats::read_trajectory_csv,
                                    record.trajectory_text, record.trajectory_name));
-  DRIFTWISE_CO_TRY(auto plan, read_run_plan(record.rules_json));
-  if (auto ok = co_await follow_for(plan); !ok) co_return ok;
-  std::optional<RunBefore> before;
+  DRIFTWISE_CO_TRY(basis.plan, read_run_plan(record.rules_json));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(basis.plan));
   if (record.started.utc_ns != 0) {  // else it has not begun, paused by a stop or not
     DRIFTWISE_CO_TRY(auto found, co_await what_was_before(record));
-    auto meter = co_await reader_.call(recorded_meter, record, PlanLength(trajectory),
-                                       planned_visit_s(plan.rules));
+    auto meter = co_await reader_.call(recorded_meter, record, PlanLength(basis.trajectory),
+                                       planned_visit_s(basis.plan.rules));
     if (meter) found.meter = std::move(*meter);
-    before = std::move(found);
+    basis.before = std::move(found);
   }
+  // Measured on under another cell file only when a person has seen the difference.
+  if (configuration_.question_for(record).empty()) {
+    const UsedConfiguration used{description_.hash, clock_.now().utc};
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.configurations().continue_run(record.id, used));
+  }
+  co_return basis;
+}
+
+Awaitable<Result<void>> RunsService::continue_unfinished() {
+  DRIFTWISE_CO_TRY(auto unfinished, co_await find_unfinished());
+  if (!unfinished) co_return Result<void>{};
+  auto record = std::move(*unfinished);
+  const auto found = record;  // as the last daemon left it
+  auto reading = read_basis(found);
+  auto basis = co_await std::move(reading);
   if (const auto stops = stops_.records(); !stops.empty()) {
     record.state = RunState::paused;
     record.reason = stops.front().cause;
@@ -42,17 +64,17 @@ Awaitable<Result<void>> RunsService::continue_unfinished() {
     record.state = RunState::paused;
     record.reason = *cause;
   }
-  // Measured on under another cell file only when a person has seen the difference.
   auto question = configuration_.question_for(record);
-  if (question.empty()) {
-    const UsedConfiguration used{description_.hash, clock_.now().utc};
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.configurations().continue_run(record.id, used));
-  }
   // A stop pressed since the start, while this was read, found no run under way to halt.
   if (stop_events_.presses() > 0) pause_by_stop(record, stop_events_.hold());
+  if (!basis) {
+    engine_.begin_unread(std::move(record), basis.error(),
+                         [this, found] { return read_basis(found); });
+    co_return tl::unexpected(basis.error());
+  }
   const bool was_paused = record.state == RunState::paused;  // then resume_run refuses meanwhile
-  engine_.begin(std::move(record), std::move(plan), std::move(trajectory), std::move(before),
-                false);
+  engine_.begin(std::move(record), std::move(basis->plan), std::move(basis->trajectory),
+                std::move(basis->before), false);
   if (!question.empty() && !was_paused)
     engine_.control()->hold(
         {RunHold::Kind::configuration, "", clock_.now().utc, std::move(question)});

@@ -16,10 +16,12 @@
 namespace driftwise::tests {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::MatchesRegex;
+using testing::Not;
 using testing::SizeIs;
 
 CellDescription cell_with(const std::string& database, HoldAction action, double for_s = 0) {
@@ -157,6 +159,30 @@ TEST_F(Holds, MarksThePointsMeasuredSinceTheLimitWasExceededFirst) {
   EXPECT_EQ(marked, expected);
   world.support_set_degc = 23;
   expect_every_row_once(cell, cell.finish_run());
+}
+
+// The value is beyond the limit while a row dwells, and within it again before the row is measured.
+TEST_F(Holds, MarksThePointsOfAHoldThatEndsWithinOneVisit) {
+  auto description = cell_with(folder / "cell.sqlite", HoldAction::finish_point, 60);
+  description.holds.front().settle_s = 120;
+  CellInMemory cell{world, description, kSqlite};
+  const auto id = cell.begin_run(
+                          "q1_mm,set,line,zero,dwell_s\n"
+                          "0,calibration,0,1,0\n1,calibration,0,0,0\n"
+                          "2,calibration,0,0,0\n3,calibration,0,0,900\n"
+                          "-1,calibration,0,0,0\n0,calibration,0,1,0\n")
+                      .id;
+  cell.until([&] { return run(cell).accepted == 1; });
+  world.support_degc = world.support_set_degc = 24;
+  cell.until([&] { return run(cell).accepted == 3; });
+  cell.pass(90);
+  world.support_degc = world.support_set_degc = 23;
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_THAT(cell.events_named("hold.ended"), SizeIs(1));
+  const auto marked = cell.await(cell->annotations.exclusions(id))->suspect_rows;
+  EXPECT_THAT(marked, Contains(2)) << "measured beyond the limit, before for_s had passed";
+  EXPECT_THAT(marked, Not(Contains(3))) << "measured after the hold";
+  EXPECT_THAT(marked, Not(Contains(0)));
 }
 
 TEST_F(Holds, ReturnsToZeroBeforeItWaitsWhereTheRuleSaysSo) {

@@ -146,6 +146,27 @@ TEST_F(AtTheMachine, TheAxesMayBeMovedInAPausedRunByWhoMayEndThePause) {
   EXPECT_THAT(*cell.await(cell.points(run, 0, 100)), SizeIs(8));
 }
 
+// Both are asked for in one turn of the executor, before the engine has seen the resume.
+TEST_F(AtTheMachine, AResumeAndAMovementInTheSameInstantAreNotBothTaken) {
+  const RunId run = begin_and_accept(3);
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run)));
+  until_paused();
+  cell.pass(10);
+  const auto token = cell.lease();
+  const auto answer = cell.answer();
+  const int homes = world.homes;
+  std::optional<Result<RunRecord>> resumed;
+  std::optional<Result<void>> homed;
+  cell.begin(cell->runs.resume(bob, run, answer), resumed);
+  cell.begin(cell->manual.home(cell.ada, token, answer), homed);
+  cell.until([&] { return resumed && homed; });
+  EXPECT_TRUE(*resumed) << resumed->error().message;
+  ASSERT_FALSE(*homed);
+  EXPECT_EQ(homed->error().reason, "RUN_UNDER_WAY");
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_EQ(world.homes, homes);
+}
+
 TEST_F(AtTheMachine, PositionsAndLengthsAreSeenBetweenRuns) {
   ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
   ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1.25})));

@@ -125,6 +125,11 @@ TEST_F(Campaign, DoesNotReadAnAxisThatNeverSettles) {
   ASSERT_TRUE(run);
   cell.until([&] { return world.zeroings == 1; });
   world.creeping = true;
+  cell.until([&] { return cell.status().run->run.hold.kind == RunHold::Kind::trouble; }, 100'000);
+  EXPECT_NE(cell.status().run->run.reason.find("zero after line 1: quiet to"), std::string::npos)
+      << "nor is it read at the zero";
+  world.creeping = false;
+  ASSERT_TRUE(cell.resume());
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.given_up, 1);
   const auto tries = attempts(run->id);

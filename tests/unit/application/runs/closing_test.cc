@@ -9,12 +9,14 @@
 
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/datasets/joined_runs.h"
+#include "server/application/motion/datum_opening.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
 namespace {
 
+using testing::AllOf;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -330,6 +332,73 @@ TEST_F(Closing, AJumpJustBeyondTheLimitIsNoPlay) {
   EXPECT_EQ(jumped.decision, ClosureDecision::new_datum) << jumped.sentence;
   EXPECT_NEAR(jumped.coordinates.front().limit, usual.limit, 250) << "the same line as before";
   EXPECT_THAT(suspects(run), ElementsAre(2, 3));
+}
+
+// One of four readings is off by 3 um.
+TEST_F(Closing, AReturnWhoseReadingsDisagreeIsReadAgain) {
+  world.warming_k_per_h = 0;
+  world.disturbance_nm = 3000;
+  const auto run = cell().begin_run(lines_of(3, {1, 2, -1}, false)).id;
+  cell().until([&] {
+    const auto now = *cell().status().run;
+    return now.run.accepted == 3 && now.phase == "settling" && std::abs(world.to_mm) < 1e-3;
+  });
+  world.disturbed_readings = 1;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(decisions(run), AllOf(SizeIs(3), Each(ClosureDecision::within)));
+  EXPECT_THAT(cell().events_named("zero.again"),
+              ElementsAre(AllOf(HasSubstr("zero after line 1: spread"), HasSubstr("read again"))));
+  EXPECT_THAT(cell().alarms_of("closure.bad"), IsEmpty());
+  EXPECT_THAT(suspects(run), IsEmpty());
+}
+
+TEST_F(Closing, ADatumWhoseReadingsDisagreeIsReadAgain) {
+  world.warming_k_per_h = 0;
+  world.disturbance_nm = 1100;
+  const auto run = cell().begin_run(lines_of(1, {1, 2}, true)).id;
+  cell().until([&] { return world.zeroings == 1; });
+  world.disturbed_readings = 1;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  const auto data = *cell().await(cell().datums(run));
+  ASSERT_THAT(data, SizeIs(1));
+  const double* q1_mm = application::find_value(data[0].values, "q1_mm");
+  ASSERT_NE(q1_mm, nullptr);
+  EXPECT_NEAR(*q1_mm, 0, 40e-6) << "the scale's own noise, and not a quarter of the disturbance";
+  EXPECT_THAT(cell().events_named("zero.again"), SizeIs(1));
+}
+
+TEST_F(Closing, AReturnThatDoesNotBecomeGoodAsksAPersonAndLosesNothing) {
+  const auto run = cell().begin_run(lines_of(2, {1, 2}, false)).id;
+  until_accepted(2);
+  world.disturbed_readings = 1'000'000;
+  cell().until([&] { return cell().status().run->run.hold.kind == RunHold::Kind::trouble; });
+  EXPECT_THAT(cell().status().run->run.reason,
+              AllOf(HasSubstr("zero after line 1: spread"), HasSubstr("max_rereads")));
+  EXPECT_EQ(cell().status().run->run.accepted, 2);
+  world.disturbed_readings = 0;
+  ASSERT_TRUE(cell().resume());
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(decisions(run), AllOf(SizeIs(2), Each(ClosureDecision::within)));
+}
+
+// The controller's search for its reference ends from the other side than the axis came from last.
+TEST_F(Closing, AZeroAfterHomingIsOfNoKnownSide) {
+  world.play_nm = 900;
+  world.warming_k_per_h = 0;
+  cell().begin_run(lines_of(3, {-3, -1}, false));
+  until_accepted(3);  // on the way to -1 mm, from below as at the next return
+  world.referenced = false;
+  cell().until([&] { return cell().status().run->run.state == RunState::paused; });
+  const int homes = world.homes;
+  ASSERT_TRUE(cell().resume());
+  cell().until([&] { return world.homes > homes; });
+  world.came_down = true;
+  const auto ended = cell().finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  EXPECT_THAT(cell().events_named("closure.bad"), IsEmpty());
+  const auto all = decisions(ended.id);
+  ASSERT_THAT(all, SizeIs(3));
+  EXPECT_EQ(all[1], ClosureDecision::play) << "the first return after it is seen from both sides";
 }
 
 }  // namespace

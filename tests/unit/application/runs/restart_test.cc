@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 
+#include "server/application/motion/datum_opening.h"
 #include "server/application/plumbing/crash_point.h"
 #include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
@@ -346,6 +347,36 @@ TEST(Restart, APausedRunStaysPausedUntilSomebodyResumesIt) {
   EXPECT_EQ(ended.state, RunState::done);
   EXPECT_EQ(ended.accepted, kRows);
   EXPECT_EQ(cell.await(cell.datums(run))->back().reason, "restart");
+}
+
+// Trouble before the datum is opened takes nothing from what it is opened for.
+TEST(Restart, ComparesTheZeroAlsoAfterATroubleBeforeItsFirstMotion) {
+  Folder folder;
+  SmallWorld world;
+  world.warming_k_per_h = 0;
+  const auto description = small_cell(folder / "cell.sqlite");
+  {
+    CellInMemory cell{world, description, kSqlite};
+    cell.begin_run(lines_of(2, {2, -3}, true));
+    cell.until([&] { return cell.status().run->run.accepted == 2; });
+  }
+  world.zero_mm += 0.001;
+  world.referenced = false;
+  world.scanner_away = true;
+  CellInMemory cell{world, description, kSqlite, kWorldBegin + std::chrono::hours(1)};
+  cell.pass(120);
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
+  world.scanner_away = false;
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  const auto data = *cell.await(cell.datums(RunId{1}));
+  ASSERT_EQ(data.size(), 2u);
+  EXPECT_EQ(data[1].reason, "restart");
+  const double* found_nm = application::find_value(data[1].values, "zero_found_nm");
+  ASSERT_NE(found_nm, nullptr) << "the old zero is not compared";
+  EXPECT_NEAR(*found_nm, -1000, 100);
+  EXPECT_EQ(suspect_rows(folder / "cell.sqlite"), (std::vector<std::int64_t>{0, 1}));
 }
 
 }  // namespace

@@ -226,5 +226,38 @@ TEST_F(RunTroubles, ADeviceThatIsLostIsOneAlarmAndTheRunThatWaitsStandsUnderIt) 
   expect_complete(cell.finish_run());
 }
 
+TEST_F(RunTroubles, BeforeTheStartLeaveTheDriftToBeChecked) {
+  world.warming_k_per_h = 100;  // 250 nm/min
+  world.scanner_away = true;
+  cell.begin_run(trajectory);
+  expect_waiting();
+  world.scanner_away = false;
+  cell.pass(200);
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
+  EXPECT_THAT(cell.status().run->run.reason, testing::HasSubstr("the zero drifts by"));
+  EXPECT_EQ(world.zeroings, 0) << "no datum is opened in a cell that drifts";
+}
+
+// 5 um, while the axes are on their way back from the last line.
+TEST_F(RunTroubles, AStopInTheLastReturnToZeroLeavesItOwed) {
+  world.warming_k_per_h = 0;
+  const auto id = cell.begin_run(lines_of(1, {1, 2, -1}, false)).id;
+  cell.until([&] {
+    const auto run = *cell.status().run;
+    return run.run.accepted == 3 && run.phase == "moving";
+  });
+  world.zero_mm += 0.005;
+  static_cast<void>(cell.await(cell->manual.stop_all(cell.ada)));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  cell.pass(20);
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  const auto closures =
+      *cell.await(cell.read([id](Store& store) { return store.closures().closures(id); }));
+  ASSERT_EQ(closures.size(), 1u);
+  EXPECT_EQ(closures.front().decision, ClosureDecision::new_datum);
+  EXPECT_EQ(cell.await(cell->annotations.exclusions(id))->suspect_rows.size(), 3u);
+}
+
 }  // namespace
 }  // namespace driftwise::tests

@@ -83,6 +83,21 @@ TEST(ReturnToZero, WaitsForTheQueuedRowsOfTheLine) {
   EXPECT_TRUE(return_to_zero_is_due(trajectory, {2, {}}, 0));
 }
 
+TEST(ReturnToZero, IsOwedUntilTheAxesHaveReturned) {
+  const auto trajectory = lines({1, 1, 2});
+  SinceReturn since;
+  since.begin({0, {}}, 0);
+  EXPECT_FALSE(return_to_zero_is_owed(trajectory, {0, {}}, since)) << "nothing was measured";
+  since.add(0, Verdict::accepted);
+  EXPECT_FALSE(return_to_zero_is_owed(trajectory, {1, {}}, since)) << "the line is not over";
+  since.add(1, Verdict::given_up);
+  EXPECT_TRUE(return_to_zero_is_owed(trajectory, {2, {}}, since));
+  since.returned = true;
+  EXPECT_FALSE(return_to_zero_is_owed(trajectory, {2, {}}, since));
+  since.add(2, Verdict::accepted);
+  EXPECT_TRUE(return_to_zero_is_owed(trajectory, {3, {}}, since)) << "of the last line too";
+}
+
 TEST(RepeatSince, GoesBackToTheFirstRowOfTheStretch) {
   SinceReturn since;
   since.begin({3, {}}, 1);

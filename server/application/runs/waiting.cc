@@ -1,0 +1,207 @@
+// The engine's waits in the middle of a run: after a trouble, a stop, a pause, a condition of the
+// cell, and before a run whose plan cannot be read.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/application/motion/stop_desk.h"
+#include "server/application/runs/recovery.h"
+#include "server/application/runs/run_engine.h"
+#include "server/application/runs/run_state_store.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+
+// Until a person resumes, or the condition is over; then the devices are looked at as after any
+// trouble.
+Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
+  if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
+  const bool by_person = run.control.hold().kind != RunHold::Kind::condition;
+  // An axis that cannot be reached stands by its own watchdog.
+  if (!by_person) static_cast<void>(co_await bench_.devices.stop());
+  if (auto ok = co_await mark_held(run); !ok) co_return ok;
+  if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  co_return co_await look_again(run, remedy_for(trouble), by_person);
+}
+
+// The stop itself is the desk's; the run is paused once the controllers have confirmed it.
+Awaitable<Result<void>> RunEngine::wait_until_stopped(ActiveRun& run) {
+  run.control.take_halt();
+  bool told = false;
+  while (bench_.stops.pending()) {
+    auto unconfirmed = bench_.stops.unconfirmed();
+    if (!unconfirmed.empty() && !std::exchange(told, true)) {
+      run.scope.phase("stopping");
+      auto reason = std::move(unconfirmed.front().sentence);
+      if (auto ok = co_await change(run, RunState::waiting, std::move(reason)); !ok) co_return ok;
+    }
+    const double pause_s = std::max(0.1, 0.02 * bench_.clock.speed());
+    co_await sleep_unless(bench_.clock, bench_.clock.now().utc + nanoseconds_from_s(pause_s),
+                          run.control.changed());
+    run.control.take_halt();  // pressed again
+    if (auto ok = run.control.check(); !ok) co_return ok;
+  }
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
+                                            int troubles_in_a_row) {
+  constexpr int kPatience = 5;
+  auto remedy = remedy_for(error);
+  // Behind a run that has measured there are hours that its next zero still confirms: it is tried
+  // again, then a person is asked.
+  if (error.reason == reasons::kZeroNotReached && had_datum_) remedy = Remedy::wait_for_device;
+  if (remedy == Remedy::leave || remedy == Remedy::abort || remedy == Remedy::fail)
+    co_return tl::unexpected(error);
+  run.scope.phase("waiting");
+  // First of all: the mark may wait for the disk. An axis that cannot be reached stands by its own
+  // watchdog.
+  static_cast<void>(co_await bench_.devices.stop());
+  if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
+  bench_.events.record_own("run.trouble", error.message, run.record.id);
+  // A device that says what cannot be is waited for: it may be right again after hours. Weights
+  // that stick are mended by a person, who need not know that a run waits for them.
+  const bool by_weights = is_of_weights(error);
+  if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device &&
+      !is_device_loss(error) && error.reason != reasons::kImplausible && !by_weights)
+    remedy = Remedy::hold;
+  if (remedy == Remedy::hold) {
+    run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc, error.message});
+    if (auto ok = co_await hold(run, RunState::waiting); !ok) co_return ok;
+  } else if (auto ok = co_await change(run, RunState::waiting, error.message); !ok) {
+    co_return ok;
+  }
+  if (by_weights) {
+    constexpr double kLongest_s = 30;
+    const double pause_s = std::min(kLongest_s, 2.0 * troubles_in_a_row);
+    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
+  }
+  // Where only the next move shows it, it is not tried all the time: each is an alarm.
+  if (error.reason == reasons::kImplausible && troubles_in_a_row > 1) {
+    constexpr double kFirst_s = 5, kLongest_s = 600;
+    const double pause_s = std::min(kLongest_s, kFirst_s * std::exp2(troubles_in_a_row - 1));
+    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
+  }
+  co_return co_await look_again(run, remedy, remedy == Remedy::hold);
+}
+
+// asked_for: a person has said just now that the robot may move.
+Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy, bool asked_for) {
+  DRIFTWISE_CO_TRY(const auto recovery, co_await wait_for_devices(run.scope));
+  if (recovery.reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
+  want_datum(run, recovery.beam_lost || remedy == Remedy::new_datum, recovery.reference_lost);
+  co_return co_await change(run, RunState::running, "");
+}
+
+// What is wanted already keeps its terms: why, what it is compared with, whether the drift is
+// checked and the axes are homed. What is lost on top of that is added.
+void RunEngine::want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost) {
+  if (!beam_lost && !reference_lost) return;
+  if (!wanted_datum_)
+    wanted_datum_ = DatumOpening{beam_lost ? "beam lost" : "reference lost", false, false,
+                                 run.datum, run.closures};
+  wanted_datum_->home = wanted_datum_->home || reference_lost;
+  if (beam_lost) wanted_datum_->before.reset();
+}
+
+Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
+  // Meanwhile the recorder shows where the axes and the lengths are, and a person may move them.
+  bench_.recorder.lend_pose_instruments(false);
+  Result<void> may_continue = run.control.check();
+  while (may_continue && (run.control.held() || axes_lent_)) {
+    if (run.control.held()) {
+      may_continue = co_await hold_on(run, state);
+    } else {
+      // Whatever ended the hold: two sequences would drive the axes at once.
+      run.scope.phase("waiting for the movement by hand");
+      co_await run.control.changed().wait();
+    }
+    if (may_continue && !run.control.held() && !axes_lent_) hooks_.look_at_cell(run.control);
+    if (may_continue) may_continue = run.control.check();
+  }
+  run.meter.let_go(bench_.clock.now().utc);
+  bench_.recorder.lend_pose_instruments(true);
+  if (!may_continue) co_return may_continue;
+  // Whoever ended it has said that the robot may move; who accepted a cell file has not, nor has a
+  // cell that is within its limits again.
+  if (run.record.hold.kind != RunHold::Kind::configuration &&
+      run.record.hold.kind != RunHold::Kind::condition)
+    may_start_ = true;
+  run.record.hold = {};
+  co_return co_await change(run, RunState::running, "");
+}
+
+// One step of it: what holds the run goes on record, or is waited out until something changes.
+Awaitable<Result<void>> RunEngine::hold_on(ActiveRun& run, RunState state) {
+  const auto wanted = run.control.hold();
+  const bool by_itself = wanted.kind == RunHold::Kind::condition;
+  // A person's time is nobody's to foresee; a cell's waits are.
+  if (by_itself)
+    run.meter.let_go(bench_.clock.now().utc);
+  else
+    run.meter.keep(bench_.clock.now().utc);
+  if (run.record.hold == wanted) {
+    stands_ = true;
+    auto changed = co_await wait_for_change(run);
+    stands_ = false;
+    co_return changed;
+  }
+  // The first, or one that came on top of it.
+  run.record.hold = wanted;
+  const bool of_person = wanted.kind == RunHold::Kind::pause || wanted.kind == RunHold::Kind::stop;
+  const auto now = by_itself ? RunState::waiting : of_person ? RunState::paused : state;
+  auto stored = co_await change(run, now, wanted.reason);
+  run.scope.phase(by_itself                 ? "waiting for the cell"
+                  : now == RunState::paused ? "paused"
+                                            : "waiting for a person");
+  co_return stored;
+}
+
+void RunEngine::lend_axes(bool lent) {
+  axes_lent_ = lent;
+  if (run_) run_->control.changed().raise();
+}
+
+void RunEngine::ask_to_mend(ActiveRun& run, const Error& why) {
+  run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc,
+                    fmt::format("run {} cannot be continued: {}: mend that, then resume the run, "
+                                "or abort it",
+                                run.record.id.value, why.message)});
+}
+
+// Until what the run goes by can be read, and a person has resumed it. Then another ActiveRun is in
+// its place.
+Awaitable<Result<void>> RunEngine::stand_unread() {
+  const auto found = run_->record;
+  while (true) {
+    auto& run = *run_;
+    auto held = co_await hold(run, RunState::waiting);
+    while (!held && run.control.halted()) {
+      held = co_await wait_until_stopped(run);
+      if (held) held = co_await hold(run, RunState::waiting);
+    }
+    DRIFTWISE_CO_RETURN_IF_ERROR(held);
+    auto reading = read_basis_();
+    auto basis = co_await std::move(reading);
+    DRIFTWISE_CO_RETURN_IF_ERROR(run.control.check());
+    if (!basis) {
+      ask_to_mend(run, basis.error());
+      continue;
+    }
+    auto record = found;
+    record.metadata = run.record.metadata;
+    record.state = RunState::waiting;  // no longer paused
+    record.hold = {};
+    const auto wanted = run.control.hold();  // meanwhile
+    before_ = std::move(basis->before);
+    make_run(std::move(record), std::move(basis->plan), std::move(basis->trajectory));
+    if (wanted.kind != RunHold::Kind::none && wanted.kind != RunHold::Kind::condition)
+      run_->control.hold(wanted);
+    co_return Result<void>{};
+  }
+}
+
+}  // namespace driftwise::application
