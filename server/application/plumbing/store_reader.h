@@ -8,6 +8,7 @@
 
 #include "server/application/plumbing/async_store.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -37,9 +38,7 @@ class StoreReader : public AsyncStore {
     if (!open_ || !suspended_) co_return Result<void>{};
     auto opening = run_on(thread_, [this]() -> Result<void> {
       if (store_) return {};
-      auto opened = open_();
-      if (!opened) return tl::unexpected(std::move(opened.error()));
-      store_ = std::move(*opened);
+      DRIFTWISE_TRY(store_, open_());
       return {};
     });
     auto opened = co_await std::move(opening);
