@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
@@ -92,20 +91,6 @@ std::int64_t QueueDesk::last_place() const {
   return last;
 }
 
-// As the store gives them at a start: what is not over, what that waits for, and the newest.
-void QueueDesk::forget_old_entries() {
-  std::set<QueueEntryId> wanted;
-  std::int64_t newest = 0;
-  for (const auto& entry : record_.entries) {
-    newest = std::max(newest, entry.id.value);
-    if (!is_over(entry.state) && entry.after) wanted.insert(*entry.after);
-  }
-  std::erase_if(record_.entries, [&](const QueueEntry& entry) {
-    return is_over(entry.state) && entry.id.value <= newest - kHistory &&
-           !wanted.contains(entry.id);
-  });
-}
-
 Awaitable<Result<void>> QueueDesk::change(QueueChange change) {
   const auto stops_before = stops_;
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await parts_.writer.queue().change_queue(change));
@@ -121,7 +106,7 @@ Awaitable<Result<void>> QueueDesk::change(QueueChange change) {
     else
       *found = std::move(entry);
   }
-  forget_old_entries();
+  forget_old_entries(record_.entries, kHistory);
   if (!change.hold) co_return Result<void>{};
   record_.hold = *std::move(change.hold);
   // A stop that came meanwhile is in force, and the store has it after this change.

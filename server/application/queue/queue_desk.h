@@ -68,7 +68,6 @@ class QueueDesk {
   Awaitable<AsyncMutex::Lock> turn() { return changing_.lock(); }
   // On the disk, then here. Only by who has the turn.
   Awaitable<Result<void>> change(QueueChange change);
-  void forget_old_entries();
   // A person has just said that entries may start.
   void look_now();
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "server/core/reasons.h"
 
@@ -72,6 +73,18 @@ const QueueEntry* find_entry(const std::vector<QueueEntry>& entries, QueueEntryI
 
 std::string entry_text(const QueueEntry& entry) {
   return fmt::format("entry {} '{}'", entry.id.value, entry.name);
+}
+
+void forget_old_entries(std::vector<QueueEntry>& entries, int newest) {
+  std::set<QueueEntryId> wanted;
+  std::int64_t last = 0;
+  for (const auto& entry : entries) {
+    last = std::max(last, entry.id.value);
+    if (!is_over(entry.state) && entry.after) wanted.insert(*entry.after);
+  }
+  std::erase_if(entries, [&](const QueueEntry& entry) {
+    return is_over(entry.state) && entry.id.value <= last - newest && !wanted.contains(entry.id);
+  });
 }
 
 QueueTurn decide_turn(const QueueSituation& situation) {

@@ -34,6 +34,9 @@ const QueueEntry* find_entry(const std::vector<QueueEntry>& entries, QueueEntryI
 // "entry 4 'night 2'".
 std::string entry_text(const QueueEntry& entry);
 
+// Leaves what the store gives at a start: what is not over, what that waits for, and the newest.
+void forget_old_entries(std::vector<QueueEntry>& entries, int newest);
+
 QueueTurn decide_turn(const QueueSituation& situation);
 
 // Errors: not_found NO_SUCH_QUEUE_ENTRY (after names none); failed_precondition QUEUE_CYCLE (the
