@@ -36,12 +36,11 @@ class StoreReader : public AsyncStore {
   // the error, and the calls wait for another resume().
   Awaitable<Result<void>> resume() {
     if (!open_ || !suspended_) co_return Result<void>{};
-    auto opening = run_on(thread_, [this]() -> Result<void> {
+    const auto opened = co_await run_on(thread_, [this]() -> Result<void> {
       if (store_) return {};
       DRIFTWISE_TRY(store_, open_());
       return {};
     });
-    auto opened = co_await std::move(opening);
     suspended_ = !opened;
     if (opened) resumed_.raise();
     co_return opened;
