@@ -323,7 +323,8 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
       warnings.push_back(std::move(sentence));
     model.outputs.push_back(std::move(output));
   }
-  model.lineage.rows_validation = judged < kLeastJudges ? 0 : judged;
+  // Complete, and of a datum that the model knows.
+  model.lineage.rows_validation = judged < kLeastJudges ? 0 : std::min(judged, design.validation);
   if (!whole.note().empty()) model.warnings.push_back(whole.note());
   model.domain = domain_of(design, dataset, model.outputs);
   if (auto sparse = sparse_readings(dataset, design.rows, model.outputs))

@@ -1,6 +1,7 @@
 #include "clients/cli/commands/models/validation_file.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -35,6 +36,30 @@ double time_shift_s(const Dataset& first, const Dataset& second) {
   return std::max(0.0, first.time_s.back() - second.time_s.front());
 }
 
+// A row of the second file that is one of the first, by its own time and every channel. Joined, it
+// has another time. Files that both say when they began are compared by that.
+void refuse_the_same_rows(const NamedData& first, const NamedData& second) {
+  if (time_zero_s(first.data) && time_zero_s(second.data)) return;
+  std::map<double, std::size_t> row_at;
+  for (std::size_t row = 0; row < first.data.time_s.size(); ++row)
+    row_at.emplace(first.data.time_s[row], row);
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < second.data.time_s.size(); ++row) {
+    const auto at = row_at.find(second.data.time_s[row]);
+    if (at == row_at.end()) continue;
+    count += std::ranges::all_of(first.data.columns, [&](const DatasetColumn& column) {
+      const auto* other = second.data.find(column.channel.symbol);
+      return other != nullptr && other->values[row] == column.values[at->second];
+    });
+  }
+  if (count > 0)
+    refuse_pair("SETS_OVERLAP", std::to_string(count) + " rows of " + second.name +
+                                    " are rows of " + first.name +
+                                    ", by their times and every channel: the model would be judged "
+                                    "on rows it was fitted to; give those of another campaign, or "
+                                    "say when each began ('# time_zero: 2026-11-30T08:00:00Z')");
+}
+
 void check_pair(const NamedData& first, const NamedData& second) {
   for (std::size_t row = 0; row < first.data.rows; ++row)
     if (first.data.set_of(row) == PointSet::validation && !first.data.is_excluded(row))
@@ -54,6 +79,7 @@ void check_pair(const NamedData& first, const NamedData& second) {
                                         " in " + first.name + " and in " + other->channel.unit +
                                         " in " + second.name + ": give both in one unit");
   }
+  refuse_the_same_rows(first, second);
 }
 
 // Numbers of runs or of datums over both files; empty: neither has any.
