@@ -22,7 +22,6 @@ double gain_of(const std::vector<NoiseChange>& changes, Eigen::Index instants) {
   return sum;
 }
 
-constexpr double kNoWeight = 1e4;   // spread of a wrong row over the others'
 constexpr double kMostFreedom = 6;  // of tails that are worth it: a sixth of the noise's variance
 
 }  // namespace
@@ -72,14 +71,11 @@ std::vector<std::size_t> DataFaults::note_outliers(const std::vector<OutlierRow>
   return rows;
 }
 
-bool DataFaults::note_gross_errors(const Ground& ground) {
-  const auto gross = gross_errors(problem_, ground, options_.alpha);
+bool DataFaults::leave_out_gross_errors(const Extension& extension,
+                                        const std::vector<NoiseShape>& shapes) {
+  const auto gross = gross_errors(problem_, extension.ground({}, shapes), options_.alpha);
   if (gross.empty()) return false;
-  if (problem_.row_sd.size() == 0)
-    problem_.row_sd = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(problem_.data().rows));
-  const auto rows = note_outliers(gross);
-  for (const std::size_t row : rows) problem_.row_sd[static_cast<Eigen::Index>(row)] = kNoWeight;
-  problem_.judge_without(rows);
+  problem_.leave_out(note_outliers(gross));
   problem_.lay_blocks(kMostSearched);
   return true;
 }
@@ -102,7 +98,7 @@ bool DataFaults::is_structure(double of_one, double of_all, const SoftBase& simu
 }
 
 bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes) {
-  bool any = note_gross_errors(extension.ground({}, shapes));
+  bool any = false;
   // A spread that goes with the place and one that changes at an instant imitate one another: the
   // one that explains more is taken first, and the other is asked of what is left.
   const auto weighed_by_place = [&](double than) {
@@ -123,11 +119,6 @@ bool DataFaults::note_noise(const Extension& extension, const std::vector<NoiseS
 }
 
 void DataFaults::note_changes(const std::vector<NoiseChange>& changes) {
-  // One spread per row for all outputs: that of the strongest change.
-  const auto& strongest = *std::ranges::max_element(changes, {}, &NoiseChange::gain);
-  const auto first = problem_.learn[static_cast<std::size_t>(
-      std::ranges::find(problem_.block_of, static_cast<std::size_t>(strongest.block)) -
-      problem_.block_of.begin())];
   const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
   for (const auto& change : changes) {
     const auto& output = problem_.outputs[change.output];
@@ -141,25 +132,34 @@ void DataFaults::note_changes(const std::vector<NoiseChange>& changes) {
     finding.parameters.push_back({"time_s", problem_.timeline.time_s[change.block], {}, {}});
     finding.sentence = sentence(finding);
     result_.findings.push_back(std::move(finding));
+    const auto first = static_cast<Eigen::Index>(problem_.learn[static_cast<std::size_t>(
+        std::ranges::find(problem_.block_of, static_cast<std::size_t>(change.block)) -
+        problem_.block_of.begin())]);
+    Eigen::VectorXd sd = Eigen::VectorXd::Ones(rows);
+    sd.tail(rows - first).setConstant(change.ratio);
+    problem_.spread_rows(sd, change.output);
   }
-  if (problem_.row_sd.size() == 0) problem_.row_sd = Eigen::VectorXd::Ones(rows);
-  problem_.row_sd.tail(rows - static_cast<Eigen::Index>(first)) *= strongest.ratio;
   problem_.lay_blocks(kMostSearched);
 }
 
 void DataFaults::weigh_rows(const Spread& spread, const std::string& goes_with) {
-  problem_.row_sd = problem_.row_sd.size() == 0
-                        ? spread.sd
-                        : Eigen::VectorXd(problem_.row_sd.cwiseProduct(spread.sd));
+  std::string of;
+  for (const std::size_t o : spread.outputs) {
+    problem_.spread_rows(spread.sd.col(static_cast<Eigen::Index>(o)), o);
+    of += (of.empty() ? " of " : ", ") + problem_.outputs[o].channel.symbol;
+  }
   problem_.lay_blocks(kMostSearched);
+  if (spread.outputs.size() == problem_.outputs.size()) of.clear();
   // Weighed by the same again, as what was found leaves it: said once, of both together.
-  Eigen::VectorXd& together = spreads_[goes_with];
-  together = together.size() == 0 ? spread.sd : Eigen::VectorXd(together.cwiseProduct(spread.sd));
-  const Eigen::VectorXd learned = rows_of(together, problem_.learn);
-  const std::string begin = "the noise goes with the " + goes_with + ": ";
+  Eigen::MatrixXd& together = spreads_[goes_with + of];
+  together = together.size() == 0 ? spread.sd : Eigen::MatrixXd(together.cwiseProduct(spread.sd));
+  const Eigen::MatrixXd learned = rows_of(together, problem_.learn);
+  const std::string begin = "the noise" + of + " goes with the " + goes_with + ": ";
   std::erase_if(result_.warnings, [&](const std::string& said) { return said.starts_with(begin); });
   char ratio[32];
-  std::snprintf(ratio, sizeof ratio, "%.2g", learned.maxCoeff() / learned.minCoeff());
+  std::snprintf(
+      ratio, sizeof ratio, "%.2g",
+      learned.colwise().maxCoeff().cwiseQuotient(learned.colwise().minCoeff()).maxCoeff());
   result_.warnings.push_back(begin + ratio +
                              " times as large at its largest as at its smallest; every row counts "
                              "by its own");
@@ -192,7 +192,7 @@ bool DataFaults::tame_tails(const Extension& extension, const std::vector<NoiseS
   std::vector<OwnRows> own;
   std::vector<Tails> tails;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
-    const WhitenedSpace& space = ground.space(ground.best_shape(o));
+    const WhitenedSpace& space = ground.space(ground.best_shape(o), o);
     own.push_back(own_rows(space, space.left_over(ground.series().col(o))));
     tails.emplace_back(own.back().off.col(0));
   }

@@ -27,8 +27,13 @@ class DataFaults {
   void note_sensors(const std::vector<FaultySensor>& sensors);
   void leave_out_outliers();
 
-  // Asked where the search finds no further cause: smaller gross errors, and every row's own
-  // spread, with the place and from an instant on. False: nothing of it.
+  // Asked where the search finds no further cause: smaller gross errors. Their rows are left out,
+  // and the search is to start again without them: the noise of the rows before and after them goes
+  // on as if they had not been measured. False: none.
+  bool leave_out_gross_errors(const Extension& extension, const std::vector<NoiseShape>& shapes);
+
+  // Asked where there are none: every row's own spread, with the place and from an instant on.
+  // False: nothing of it.
   bool note_noise(const Extension& extension, const std::vector<NoiseShape>& shapes);
 
   // A spread that goes with the hour or the place, asked before a cause is named: where the noise
@@ -50,8 +55,6 @@ class DataFaults {
  private:
   // Their rows, ascending, each once.
   std::vector<std::size_t> note_outliers(const std::vector<OutlierRow>& outliers);
-  // Rows that the search has stay in it, with no weight; no figure is judged on them.
-  bool note_gross_errors(const Ground& ground);
   // A smooth field of place, time and conditions explains more than the changes of spread do: a
   // load that comes with the second grid and is not in the simulation is no noise.
   bool is_structure(const std::vector<NoiseChange>& changes, const SoftBase& simulation) const;
@@ -64,7 +67,7 @@ class DataFaults {
   const DiagnoseOptions& options_;
   Problem& problem_;
   Diagnosis& result_;
-  std::map<std::string, Eigen::VectorXd> spreads_;  // by what they go with: of every dataset row
+  std::map<std::string, Eigen::MatrixXd> spreads_;  // by what they go with: of every dataset row
   bool time_weighed_ = false, place_weighed_ = false, tamed_ = false;
 };
 

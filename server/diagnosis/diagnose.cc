@@ -102,10 +102,10 @@ class Diagnoser {
       DRIFTWISE_TRY(auto bank,
                     column_bank(problem_, physics, causes_, [this] { return progress_.tick(); }));
       series_ = problem_.searched();
-      std::optional<TwoSides> sides;
-      DRIFTWISE_RETURN_IF_ERROR(search(physics, std::move(bank), sides));
-      if (!sides) break;
-      // All over again: priors were weighed against a noise that had the sides in it.
+      afresh_ = false;
+      DRIFTWISE_RETURN_IF_ERROR(search(physics, std::move(bank)));
+      if (!afresh_) break;
+      // All over again: priors were weighed against a noise that had the sides or wrong rows in it.
     }
     if (!progress_.at(1, "describing the findings")) return cancelled();
     return std::move(result_);
@@ -117,16 +117,15 @@ class Diagnoser {
             [this] { return progress_.tick(); }};
   }
 
-  // sides: where it is set the search ended, for the readings have them.
-  Result<void> search(const Physics& physics, Bank bank, std::optional<TwoSides>& sides) {
+  Result<void> search(const Physics& physics, Bank bank) {
     Search search(problem_.timeline, series_, std::move(bank), search_options(options_.seed));
     Extension extension(problem_, causes_, series_, search, physics,
                         [this] { return progress_.tick(); });
     bool noise_looked_at = false;
     // What harms is forbidden and the search starts again without it: at most once per cause.
     for (std::size_t round = 0; round <= causes_.size(); ++round) {
-      if (auto ok = grow(search, extension, noise_looked_at, round > 0, sides); !ok || sides)
-        return ok;
+      DRIFTWISE_RETURN_IF_ERROR(grow(search, extension, noise_looked_at, round > 0));
+      if (afresh_) return {};
       if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
       DRIFTWISE_TRY(auto said, extension.settle());
       result_.warnings.insert(result_.warnings.end(), said.begin(), said.end());
@@ -155,8 +154,7 @@ class Diagnoser {
   }
 
   // again: after a withdrawal, against the nulls that were simulated before it.
-  Result<void> grow(Search& search, Extension& extension, bool& noise_looked_at, bool again,
-                    std::optional<TwoSides>& sides) {
+  Result<void> grow(Search& search, Extension& extension, bool& noise_looked_at, bool again) {
     const bool first_round = !again;
     while (static_cast<int>(extension.named().size()) < options_.max_findings) {
       if (!progress_.further(0.3,
@@ -166,12 +164,13 @@ class Diagnoser {
                               : search.look(extension.learned(), extension.allowed());
       if (!look) return cancelled();
       result_.nulls = std::max(result_.nulls, look->nulls);
-      sides = sides_beyond(*look, extension);
-      if (sides) {
+      if (const auto sides = sides_beyond(*look, extension)) {
         faults_.free_of_sides(*sides, extension.all());
+        afresh_ = true;
         return {};
       }
       if (faults_.weighed_first(extension, *look)) {
+        extension.weigh_again();
         again = false;
         continue;
       }
@@ -181,8 +180,11 @@ class Diagnoser {
         continue;
       }
       if (look->first) nearest_ = {name_of(causes_[*look->first]), look->p_adjusted};
+      afresh_ = !noise_looked_at && faults_.leave_out_gross_errors(extension, look->shapes);
+      if (afresh_) return {};
       if (!noise_looked_at && faults_.note_noise(extension, look->shapes)) {
         noise_looked_at = true;  // and look once more, with every row's own spread
+        extension.weigh_again();
         again = false;
         continue;
       }
@@ -367,6 +369,7 @@ class Diagnoser {
   Progress progress_;
   std::vector<Cause> causes_;
   Eigen::MatrixXd series_;
+  bool afresh_ = false;  // the search starts again: readings on two sides, wrong rows
   struct {
     std::string cause;
     double p_adjusted = 1;

@@ -213,7 +213,7 @@ Physics::Physics(const Problem& problem, const std::optional<LeverLimits>& lever
   if (time_s.size() > 1) hours_ = (time_s.maxCoeff() - time_s.minCoeff()) / 3600;
   force_range_ = range_of("force");
   for (std::size_t o = 0; o < problem.outputs.size(); ++o)
-    noise_sd_.push_back(noise_between_neighbours(problem, o, problem.base_columns));
+    between_neighbours_.push_back(noise_between_neighbours(problem, o, problem.base_columns));
 }
 
 // max - min over the rows that learn, in the channel's unit.
@@ -266,7 +266,7 @@ double Physics::of_first_order(const effects::Term& term) const {
 
 double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
                             double column_range, std::size_t output) const {
-  const double sigma = noise_sd_[output], large = kOfNoise * sigma;
+  const double sigma = between_neighbours_[output], large = kOfNoise * sigma;
   const double stroke_nm = nm_from_mm(longest_stroke_mm_);
   const double machine_mm = longest_stroke_mm_ > 0
                                 ? std::max(2 * longest_stroke_mm_, kSmallestMachine_mm)
@@ -376,7 +376,7 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
       // The table is of lengths; of anything else only the noise is known.
       const bool length = output.unit == "nm";
       double typical = length ? nm_per_unit(cause, term, parameter, column_range, at)
-                              : 2 * kOfNoise * noise_sd_[at] / column_range;
+                              : 2 * kOfNoise * between_neighbours_[at] / column_range;
       double factor = length ? range_factor(cause, term, at) : kUnlimited;
       // A signal of 36 arcsec that errs by 2 of them is broken; once a turn it is off its centre.
       if (cause.id == "cyclic_error" && cause.parameter == "period_arcsec" &&
@@ -398,13 +398,13 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
 }
 
 Eigen::VectorXd Physics::shared_precision(const Eigen::MatrixXd& prior_sd,
-                                          const std::vector<double>& noise_sd) {
+                                          const std::vector<WhiteSd>& noise) {
   Eigen::VectorXd precision(prior_sd.rows());
   for (Eigen::Index k = 0; k < precision.size(); ++k) {
     double sum = 0, count = 0;
     for (Eigen::Index o = 0; o < prior_sd.cols(); ++o)
       if (prior_sd(k, o) > 0) {
-        sum += 2 * std::log(noise_sd[static_cast<std::size_t>(o)] / prior_sd(k, o));
+        sum += std::log(whitened_precision(noise[static_cast<std::size_t>(o)], prior_sd(k, o)));
         count += 1;
       }
     precision[k] = count > 0 ? std::exp(sum / count) : 1e300;
@@ -416,7 +416,7 @@ Eigen::MatrixXd Physics::of_free_shape(const Eigen::Ref<const Eigen::MatrixXd>& 
   Eigen::MatrixXd sd(columns.cols(), static_cast<Eigen::Index>(problem_.outputs.size()));
   for (Eigen::Index k = 0; k < columns.cols(); ++k)
     for (Eigen::Index o = 0; o < sd.cols(); ++o)
-      sd(k, o) = kFreeShape * noise_sd_[static_cast<std::size_t>(o)] /
+      sd(k, o) = kFreeShape * between_neighbours_[static_cast<std::size_t>(o)] /
                  std::max(columns.col(k).cwiseAbs().maxCoeff(), 1e-300);
   return sd;
 }

@@ -14,6 +14,7 @@
 
 #include "server/diagnosis/answer/lever_limits.h"
 #include "server/diagnosis/catalogue/cause.h"
+#include "server/diagnosis/noise/white_sd.h"
 #include "server/diagnosis/rows/problem.h"
 
 namespace driftwise::diagnosis {
@@ -47,13 +48,13 @@ class Physics {
   // columns: of the terms, one row per block.
   AmplitudePrior prior(const Cause& cause, const std::vector<effects::Term>& terms,
                        double parameter, const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
-  // Prior variance over noise variance, as a precision, for columns of the simulation that all
-  // outputs share: the geometric mean over the outputs where the cause acts.
-  // prior_sd: columns x outputs; 0: does not act. noise_sd: of a row, per output, with what is
-  // named in the simulation.
+  // Precision of whitened rows for columns of the simulation that all outputs share: the geometric
+  // mean over the outputs where the cause acts.
+  // prior_sd: columns x outputs; 0: does not act. noise: per output, with what is named in the
+  // simulation.
   static Eigen::VectorXd shared_precision(const Eigen::MatrixXd& prior_sd,
-                                          const std::vector<double>& noise_sd);
-  double noise_sd(std::size_t output) const { return noise_sd_[output]; }
+                                          const std::vector<WhiteSd>& noise);
+  double between_neighbours(std::size_t output) const { return between_neighbours_[output]; }
   // Of a shape that no physics describes: half the standard deviation of the noise at its largest.
   Eigen::MatrixXd of_free_shape(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
 
@@ -71,8 +72,8 @@ class Physics {
   std::optional<LeverLimits> levers_;
   double width_ = 1;
   double longest_stroke_mm_ = 0, hours_ = 0, force_range_ = 0;
-  std::vector<double> noise_sd_;  // of neighbouring rows, summary units
-  Eigen::MatrixXd slopes_;        // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
+  std::vector<double> between_neighbours_;  // noise, summary units
+  Eigen::MatrixXd slopes_;  // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
 };
 
 }  // namespace driftwise::diagnosis

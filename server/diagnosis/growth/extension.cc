@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t kMostContenders = 8;
 constexpr int kRounds = 2;
 constexpr std::size_t kMostFurther = 2;
+constexpr double kLeastWhite = 1e-3;      // of what neighbours differ by: data without noise
 constexpr double kJumpsBesideValues = 5;  // times what the strongest cause with values may leave
 
 Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -49,7 +50,12 @@ Extension::Extension(const Problem& problem, const std::vector<Cause>& causes,
       gate_(problem, series, search.bank()),
       ruled_out_(causes.size(), 0),
       forbidden_(causes.size(), 0) {
-  for (std::size_t o = 0; o < problem.outputs.size(); ++o) noise_sd_.push_back(physics.noise_sd(o));
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+    between_neighbours_.push_back(physics.between_neighbours(o));
+    white_sd_.push_back({between_neighbours_.back()});
+  }
+  // What readings hide has a prior before anything is named.
+  if (problem.hidden.columns.cols() > 0) update_noise();
   const auto& time_s = problem.data().time_s;
   for (std::size_t i = 1; i < time_s.size(); ++i)
     if (time_s[i] > time_s[i - 1]) instants_.push_back((time_s[i] + time_s[i - 1]) / 2);
@@ -66,7 +72,7 @@ SoftBase Extension::all(std::optional<std::size_t> without) const {
   if (const auto& [columns, sd] = problem_.hidden; columns.cols() > 0) {
     base.columns = beside(base.columns, columns);
     base.precision = (Eigen::VectorXd(base.columns.cols()) << base.precision,
-                      Physics::shared_precision(sd, noise_sd_))
+                      Physics::shared_precision(sd, white_sd_))
                          .finished();
     base.hidden = columns.cols();
   }
@@ -78,25 +84,46 @@ SoftBase Extension::with_named(SoftBase base, std::optional<std::size_t> without
     if (i == without) continue;
     base.columns = beside(base.columns, named_[i].all);
     Eigen::VectorXd precision(base.columns.cols());
-    precision << base.precision, Physics::shared_precision(named_[i].prior.typical, noise_sd_);
+    precision << base.precision, Physics::shared_precision(named_[i].prior.typical, white_sd_);
     base.precision = std::move(precision);
   }
   return base;
 }
 
-SoftBase Extension::described(std::size_t output, std::optional<std::size_t> without) const {
-  SoftBase base = with_named(
-      {problem_.base_columns, Eigen::VectorXd::Zero(problem_.base_columns.cols())}, without);
-  Eigen::Index at = problem_.base_columns.cols();
+bool Extension::is_said_of(std::size_t index, const std::string& motor) const {
+  const Named& one = named_[index];
+  return may_act_on(causes_[one.cause], motor) &&
+         std::ranges::find(one.not_of, motor) == one.not_of.end();
+}
+
+SoftBase Extension::described_by(std::size_t output,
+                                 const std::function<double(double)>& precision_of,
+                                 std::optional<std::size_t> without,
+                                 const std::string& motor) const {
+  SoftBase base(problem_.base_columns, Eigen::VectorXd::Zero(problem_.base_columns.cols()));
   for (std::size_t i = 0; i < named_.size(); ++i) {
-    if (i == without) continue;
-    const auto& typical = named_[i].prior.typical.col(static_cast<Eigen::Index>(output));
-    for (Eigen::Index k = 0; k < typical.size(); ++k, ++at) {
-      const double sd = typical[k] * named_[i].share[output];
-      base.precision[at] = sd > 0 ? std::pow(noise_sd_[output] / sd, 2) : 1e300;
-    }
+    if (i == without || (!motor.empty() && !is_said_of(i, motor))) continue;
+    const Eigen::VectorXd sd =
+        named_[i].share[output] * named_[i].prior.typical.col(static_cast<Eigen::Index>(output));
+    base.columns = beside(base.columns, named_[i].all);
+    Eigen::VectorXd precision(base.columns.cols());
+    precision << base.precision,
+        sd.unaryExpr([&](double one) { return one > 0 ? precision_of(one) : 1e300; });
+    base.precision = std::move(precision);
   }
   return base;
+}
+
+SoftBase Extension::described(std::size_t output, std::optional<std::size_t> without,
+                              const std::string& motor) const {
+  const double noise = between_neighbours_[output];
+  return described_by(
+      output, [noise](double sd) { return std::pow(noise / sd, 2); }, without, motor);
+}
+
+SoftBase Extension::described_whitened(std::size_t output, WhiteSd noise) const {
+  return described_by(
+      output, [noise](double sd) { return whitened_precision(noise, sd); }, {}, "");
 }
 
 std::vector<char> Extension::allowed() const {
@@ -254,8 +281,8 @@ GateScore Extension::gate_score(const Candidate& candidate, const Ground& ground
   std::vector<NoiseShape> noise;
   std::vector<double> sd;
   for (std::size_t o = 0; o < candidate.gain.shape.size(); ++o) {
-    noise.push_back(ground.space(candidate.gain.shape[o]).shape());
-    sd.push_back(ground.white_sd_with(candidate.gain, static_cast<Eigen::Index>(o)));
+    noise.push_back(ground.shape(candidate.gain.shape[o]));
+    sd.push_back(ground.white_sd_with(candidate.gain, static_cast<Eigen::Index>(o)).value);
   }
   return gate_.judge(base, noise, sd, causes_[candidate.cause], candidate.cause);
 }
@@ -310,8 +337,16 @@ Result<bool> Extension::add(const Look& look) {
 // amplitude back, and what was held back would be left over.
 void Extension::update_noise() {
   const Eigen::MatrixXd columns = all().columns;
-  for (std::size_t o = 0; o < noise_sd_.size(); ++o)
-    noise_sd_[o] = std::min(noise_sd_[o], noise_between_neighbours(problem_, o, columns));
+  for (std::size_t o = 0; o < between_neighbours_.size(); ++o)
+    between_neighbours_[o] =
+        std::min(between_neighbours_[o], noise_between_neighbours(problem_, o, columns));
+  // The white part is what the priors leave, and they are weighed against it.
+  for (int round = 0; round < kRounds; ++round) {
+    const Ground here = ground({}, shapes_.empty() ? noise_grid(problem_.timeline) : shapes_);
+    for (std::size_t o = 0; o < white_sd_.size(); ++o)
+      white_sd_[o].value = std::max(here.white_sd(static_cast<Eigen::Index>(o)).value,
+                                    kLeastWhite * between_neighbours_[o]);
+  }
 }
 
 Result<void> Extension::reoptimise() {

@@ -30,8 +30,9 @@ struct Named {
   AmplitudePrior prior;
   double evidence =
       0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
-  double likelihood = 0;      // growth of 2 ln L
-  std::vector<double> share;  // of the prior's width, per output; 0: does not act there
+  double likelihood = 0;            // growth of 2 ln L
+  std::vector<double> share;        // of the prior's width, per output; 0: does not act there
+  std::vector<std::string> not_of;  // motors of a coordinate frame that it is left out of
   std::vector<std::size_t> rivals;
 };
 
@@ -63,8 +64,13 @@ class Extension {
   SoftBase learned(std::optional<std::size_t> without = {}) const;
   SoftBase all(std::optional<std::size_t> without = {}) const;
   // With the priors of one output, and without what readings hide: what is predicted of it. A cause
-  // that these data say does not act there adds nothing.
-  SoftBase described(std::size_t output, std::optional<std::size_t> without = {}) const;
+  // that these data say does not act there adds nothing. Precisions are those of a fit to the rows
+  // as they are. motor: of a frame's coordinates, what they say of this motor; what is not said of
+  // it adds nothing.
+  SoftBase described(std::size_t output, std::optional<std::size_t> without = {},
+                     const std::string& motor = "") const;
+  // The same for a fit to whitened rows.
+  SoftBase described_whitened(std::size_t output, WhiteSd noise) const;
   // Causes that are not named nor ruled out, and those named that may take a further value of their
   // parameter.
   std::vector<char> allowed() const;
@@ -82,8 +88,12 @@ class Extension {
   Result<bool> add_two(const Look& look, double alpha);
   // Rules a cause out for good, and takes it back where it is named.
   void forbid(std::size_t cause);
-  // Of a row, with what is named in: priors are weighed against it.
-  double noise_sd(std::size_t output) const { return noise_sd_[output]; }
+  // Noise of a row by what neighbours differ by, with what is named in the simulation.
+  double between_neighbours(std::size_t output) const { return between_neighbours_[output]; }
+  // The rows are weighed otherwise than before, so that the noise has another size.
+  void weigh_again() {
+    if (!named_.empty()) update_noise();
+  }
   const std::vector<std::string>& refused() const { return refused_; }  // by the gate: sentences
   // Every parameter again, given the others; then each finding against all other causes: another
   // that does clearly better takes its place, one that the others make superfluous goes, and what
@@ -95,6 +105,12 @@ class Extension {
   Result<void> withdraw_with_its_train(std::size_t index);
   // One of the named adds nothing to what is predicted of this output.
   void silence(std::size_t index, std::size_t output) { named_[index].share[output] = 0; }
+  // One of the named is not said of this motor of a coordinate frame.
+  void leave_out_of(std::size_t index, const std::string& motor) {
+    named_[index].not_of.push_back(motor);
+  }
+  // Is it? An error of one motor shows in that motor alone.
+  bool is_said_of(std::size_t index, const std::string& motor) const;
   // Gain of one of the named where it acts, on the ground without it; but: nor on this output.
   Gain gain_where_it_acts(std::size_t index, const Ground& without,
                           std::optional<std::size_t> but = {}) const;
@@ -120,6 +136,9 @@ class Extension {
     bool nameable = true;  // false: geometry does as well, so that it can be a rival only
   };
   SoftBase with_named(SoftBase base, std::optional<std::size_t> without) const;
+  // precision_of: of an amplitude with a prior of this standard deviation.
+  SoftBase described_by(std::size_t output, const std::function<double(double)>& precision_of,
+                        std::optional<std::size_t> without, const std::string& motor) const;
   Candidate refined(std::size_t cause, const Standing& standing, const Ground& ground) const;
   // values: of the parameter, the one at `at` to be tried.
   GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<Cell> values,
@@ -144,7 +163,7 @@ class Extension {
   std::optional<std::size_t> value_of_another(std::size_t index,
                                               const std::vector<Candidate>& best) const;
   double wherever_it_acts(const std::string& id, const std::vector<Candidate>& best) const;
-  std::size_t preferred(const std::vector<Candidate>& best) const;
+  std::size_t preferred(const std::vector<Candidate>& best, const Ground& ground) const;
   static bool before(const Candidate& a, const Candidate& b);
   bool comes_near(const Candidate& candidate, const Candidate& best) const;
   Candidate of_cell(std::size_t cause, std::size_t cell, const Standing& standing,
@@ -175,7 +194,8 @@ class Extension {
   const Physics& physics_;
   ToldFromGeometry told_from_geometry_;
   EntryGate gate_;
-  std::vector<double> noise_sd_;
+  std::vector<double> between_neighbours_;
+  std::vector<WhiteSd> white_sd_;
   std::vector<char> ruled_out_, forbidden_;
   std::vector<std::string> refused_;
   std::vector<Named> named_;

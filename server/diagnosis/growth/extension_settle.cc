@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "server/core/try.h"
 #include "server/diagnosis/answer/cancelled.h"
 #include "server/diagnosis/catalogue/linear_parameter.h"
 #include "server/diagnosis/growth/extension.h"
 #include "server/diagnosis/rows/held_out_gain.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -41,6 +43,45 @@ bool one_family(const Cause& a, const Cause& b) {
     return cause.id == "thermal_lag" || cause.id == "thermal_rate";
   };
   return is(a) && is(b) && a.id != b.id && a.subject == b.subject;
+}
+
+// Order of a cause's physics in the channels that it reads: 1 is linear. A law that is no
+// polynomial (the contact of a ball) is above linear too.
+int order_of(const std::vector<effects::Term>& terms) {
+  int highest = 0;
+  for (const auto& term : terms) {
+    int order = 0;
+    for (const auto& factor : term.factors) {
+      const auto* power = std::get_if<effects::Power>(&factor);
+      order += power != nullptr ? power->exponent : 2;
+    }
+    highest = std::max(highest, order);
+  }
+  return highest;
+}
+
+std::set<std::string> channels_of(const std::vector<effects::Term>& terms) {
+  std::set<std::string> symbols;
+  for (const auto& term : terms)
+    for (const auto& symbol : effects::symbols_of(term)) symbols.insert(symbol);
+  return symbols;
+}
+
+// 2 ln L by which the rows would tell two contributions from one another if one of them was there,
+// at least: the part of either that is not along the other. noise: of each output.
+double told_apart(const Gain& a, const Gain& b, const Ground& ground) {
+  double sum = 0;
+  for (std::size_t o = 0; o < a.contribution.size(); ++o) {
+    const auto &u = a.contribution[o], &v = b.contribution[o];
+    if (u.size() == 0 && v.size() == 0) continue;
+    if (u.size() == 0 || v.size() == 0 || a.shape[o] != b.shape[o]) return INFINITY;
+    const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
+    if (uu == 0 && vv == 0) continue;
+    if (!(uv > 0)) return INFINITY;
+    const double noise = ground.white_sd_with(a, static_cast<Eigen::Index>(o)).value;
+    sum += std::max(0.0, std::max(uu, vv) - uv * uv / std::min(uu, vv)) / (noise * noise);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -93,7 +134,7 @@ Result<std::vector<std::string>> Extension::settle() {
       i = 0;
       continue;
     }
-    const std::size_t first = preferred(*best);
+    const std::size_t first = preferred(*best, ground(i, shapes_));
     const Candidate& chosen = (*best)[first];
     if (chosen.cause != named_[i].cause) {
       DRIFTWISE_TRY(auto one, made(chosen, named_[i].p_adjusted));
@@ -185,7 +226,7 @@ Result<void> Extension::place_instant(std::size_t index, std::size_t value) {
     for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
       const Eigen::VectorXd left = residuals(problem_, problem_.outputs[o], described(o));
       for (std::size_t row = first; row < last; ++row)
-        if (const double r = left[static_cast<Eigen::Index>(row)] / noise_sd_[o]; r == r)
+        if (const double r = left[static_cast<Eigen::Index>(row)] / between_neighbours_[o]; r == r)
           costs[row - first] += jump_after ? r * r : -r * r;
     }
   }
@@ -253,7 +294,7 @@ double Extension::wherever_it_acts(const std::string& id,
 // An instrument's air, or its drift, that the evidence does not tell from the robot's cause is the
 // safer name: what is said of the robot is served, and the set has both. A drift is what nothing
 // sensed explains, so the air comes before it.
-std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
+std::size_t Extension::preferred(const std::vector<Candidate>& best, const Ground& ground) const {
   const auto close = [&](const Candidate& one) {
     return one.nameable && one.gain.likelihood > best.front().gain.likelihood - kRival &&
            one.evidence > best.front().evidence - kWithinReach;
@@ -271,7 +312,18 @@ std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
           return std::ranges::find(best.front().terms, term) != best.front().terms.end();
         }))
       return k;
-  return 0;
+  // Nor for a law of higher order where these rows have one column for it and for the linear one:
+  // of a load that is on or off F, F^2 and F^(2/3) are the same, and the width of a prior alone
+  // would choose the name. What is served between the levels differs.
+  std::size_t simplest = 0;
+  for (std::size_t k = 1; k < best.size(); ++k)
+    if (close(best[k]) && causes_[best[k].cause].scale == ParameterScale::none &&
+        causes_[best.front().cause].scale == ParameterScale::none &&
+        channels_of(best[k].terms) == channels_of(best.front().terms) &&
+        order_of(best[k].terms) < order_of(best[simplest].terms) &&
+        told_apart(best[k].gain, best.front().gain, ground) < kTie)
+      simplest = k;
+  return simplest;
 }
 
 void Extension::name_rivals(std::size_t index, const std::vector<Candidate>& best,

@@ -1,10 +1,12 @@
 #include "server/diagnosis/growth/held_out_gate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "server/core/text/quantity_text.h"
 #include "server/core/units.h"
+#include "server/diagnosis/growth/motors_as_served.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 
 namespace driftwise::diagnosis {
@@ -13,6 +15,7 @@ namespace {
 struct Harm {
   std::size_t index = 0;              // of the named
   std::optional<std::size_t> output;  // nothing: a motor, which several of them are behind
+  std::optional<std::size_t> motor;   // of a coordinate frame
   double ratio = 1;
   std::string sentence;
 };
@@ -20,6 +23,7 @@ struct Harm {
 Harm harm_to(const ProblemOutput& output, const Cause& cause, std::size_t index,
              const HeldOutRatio& one) {
   return {index,
+          {},
           {},
           one.ratio(),
           name_of(cause) +
@@ -50,30 +54,41 @@ std::optional<Harm> harm_of(const Problem& problem, const std::vector<Cause>& ca
   return worst;
 }
 
-// The same of the motors that the coordinates are behind: errors of coordinates that are alike may
-// cancel in a motor.
+// The same of the motors behind the coordinates, each with what is said of it: errors of
+// coordinates that are alike may cancel in a motor.
 std::optional<Harm> harm_of_motors(const CoordinateFrame& frame, const Problem& problem,
                                    const std::vector<Cause>& causes, const Extension& extension,
                                    std::size_t index, bool only) {
-  const auto size = static_cast<Eigen::Index>(problem.outputs.size());
-  Eigen::MatrixXd before(static_cast<Eigen::Index>(problem.judge.size()), size), after = before;
-  for (Eigen::Index c = 0; c < size; ++c) {
-    const auto o = static_cast<std::size_t>(c);
-    const auto& output = problem.outputs[o];
-    before.col(c) =
-        judged_residuals(problem, output, described_without(problem, extension, o, index, only));
-    after.col(c) = judged_residuals(problem, output, extension.described(o));
-  }
-  before = frame.of_motors(before, problem.judge);
-  after = frame.of_motors(after, problem.judge);
+  const Eigen::MatrixXd before = only ? judged_motors_as_served(frame, problem, extension, index)
+                                      : judged_motors_by_baseline(frame, problem);
+  const Eigen::MatrixXd after = judged_motors_as_served(frame, problem, extension);
   std::optional<Harm> worst;
-  for (Eigen::Index m = 0; m < size; ++m) {
+  for (Eigen::Index m = 0; m < after.cols(); ++m) {
     const HeldOutRatio one = held_out_ratio(before.col(m), after.col(m));
     if (!one.is_worse() || (worst && one.ratio() <= worst->ratio)) continue;
     worst = harm_to(frame.motors[static_cast<std::size_t>(m)],
                     causes[extension.named()[index].cause], index, one);
+    worst->motor = static_cast<std::size_t>(m);
   }
   return worst;
+}
+
+// An error of the robot enters the models that serve, one for each motor. An instrument's corrects
+// a coordinate, and with it every motor.
+bool may_be_of_some_motors(const Cause& cause) {
+  return cause.applies_to == effects::AppliesTo::robot;
+}
+
+// Is a finding worth having for a motor other than this one, beyond the interval?
+bool helps_another_motor(const CoordinateFrame& frame, const Problem& problem,
+                         const Extension& extension, const Harm& harm) {
+  const Eigen::MatrixXd before = judged_motors_as_served(frame, problem, extension, harm.index),
+                        after = judged_motors_as_served(frame, problem, extension);
+  for (Eigen::Index m = 0; m < after.cols(); ++m)
+    if (static_cast<std::size_t>(m) != *harm.motor &&
+        held_out_ratio(before.col(m), after.col(m)).ratio_ci90.high < 1)
+      return true;
+  return false;
 }
 
 // Is a finding worth having for an output other than this one, beyond the interval, and is there
@@ -140,6 +155,13 @@ std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vect
       extension.silence(worst->index, *where);
       continue;
     }
+    if (alone && worst->motor &&
+        may_be_of_some_motors(causes[extension.named()[worst->index].cause]) &&
+        helps_another_motor(*frame, problem, extension, *worst)) {
+      said.push_back(worst->sentence + "; it is left out there");
+      extension.leave_out_of(worst->index, frame->motors[*worst->motor].channel.symbol);
+      continue;
+    }
     harmful.push_back(
         {extension.named()[worst->index].cause, worst->sentence + " and it was withdrawn"});
     extension.withdraw(worst->index);
@@ -151,7 +173,7 @@ double share_left_held_out(const Problem& problem, const Extension& extension) {
   if (problem.judge.size() < kFewestJudges) return 1;
   double before = 0, after = 0;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-    const double noise = extension.noise_sd(o) * extension.noise_sd(o);
+    const double noise = std::pow(extension.between_neighbours(o), 2);
     const auto beyond_noise = [&](const SoftBase& base) {
       const Eigen::VectorXd left = judged_residuals(problem, problem.outputs[o], base);
       return std::max(left.squaredNorm() / static_cast<double>(left.size()) / noise - 1, 0.0);

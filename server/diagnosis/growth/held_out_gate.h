@@ -19,8 +19,9 @@ struct Harmful {
 
 // Takes back what harms, the worst first, until nothing does. What harms one output and helps
 // another, beyond the interval, is left out of the one only where the others still show it, and
-// `said` says so. frame: its motors are judged beside the coordinates. With fewer than 20 judging
-// rows nothing is judged.
+// `said` says so. frame: its motors are judged beside the coordinates, each with what is said of
+// it; of an error of the robot a motor that is harmed while another is helped is left out alike.
+// With fewer than 20 judging rows nothing is judged.
 std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vector<Cause>& causes,
                                          const std::optional<CoordinateFrame>& frame,
                                          Extension& extension, std::vector<std::string>& said);

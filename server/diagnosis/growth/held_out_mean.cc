@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::size_t kFewestHeldOut = 4;
 
-// c' (X' X)^-1 c by the QR decomposition of X, columns scaled to unit length.
-double leverage_of_mean(const Problem& problem, const Eigen::MatrixXd& columns) {
+// What each learning row adds to the mean that is predicted of the held-out rows:
+// X (X' X)^-1 c by the QR decomposition of X, columns scaled to unit length.
+Eigen::VectorXd weights_in_mean(const Problem& problem, const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd x = rows_of(columns, problem.learn);
   const Eigen::VectorXd scale = x.colwise().norm().cwiseMax(1e-300);
   x = x * scale.cwiseInverse().asDiagonal();
@@ -25,12 +26,24 @@ double leverage_of_mean(const Problem& problem, const Eigen::MatrixXd& columns) 
   qr.setThreshold(1e-9);
   const Eigen::Index rank = qr.rank();
   const Eigen::VectorXd permuted = qr.colsPermutation().transpose() * c;
-  return qr.matrixR()
-      .topLeftCorner(rank, rank)
-      .triangularView<Eigen::Upper>()
-      .transpose()
-      .solve(permuted.head(rank))
-      .squaredNorm();
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(x.rows());
+  along.head(rank) = qr.matrixR()
+                         .topLeftCorner(rank, rank)
+                         .triangularView<Eigen::Upper>()
+                         .transpose()
+                         .solve(permuted.head(rank));
+  return qr.householderQ() * along;
+}
+
+// Spread of every dataset row's noise over the others', of an output. Of a motor behind a
+// coordinate frame: root mean square over the coordinates.
+Eigen::VectorXd spread_of(const Problem& problem, const std::string& output) {
+  if (problem.row_sd.size() == 0)
+    return Eigen::VectorXd::Ones(static_cast<Eigen::Index>(problem.data().rows));
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+    if (problem.outputs[o].channel.symbol == output)
+      return problem.row_sd.col(static_cast<Eigen::Index>(o));
+  return problem.row_sd.cwiseAbs2().rowwise().mean().cwiseSqrt();
 }
 
 // Learning rows within two correlation times of the slow noise.
@@ -61,7 +74,7 @@ std::vector<LeftOver> means_beyond_noise(const Problem& problem,
   std::vector<LeftOver> beyond;
   // The mean over blocks that are held out in turn is that of the fit: none.
   if (problem.judged_in_turn || problem.judge.size() < kFewestHeldOut) return beyond;
-  const double leverage = leverage_of_mean(problem, extension.all().columns);
+  const Eigen::VectorXd weights = weights_in_mean(problem, extension.all().columns);
   // The noise is that of the search's rows, which are averages of so many.
   const auto averaged = static_cast<double>(problem.rows_per_block);
   const auto judged = static_cast<double>(problem.judge.size());
@@ -69,7 +82,11 @@ std::vector<LeftOver> means_beyond_noise(const Problem& problem,
     if (!output.mean_validation_after) continue;
     const double white = output.noise_white_sd * output.noise_white_sd * averaged,
                  slow = output.noise_slow_sd * output.noise_slow_sd;
-    const double variance = white / judged + slow +
+    const Eigen::VectorXd of_all = spread_of(problem, output.output),
+                          spread = rows_of(of_all, problem.judge);
+    const double leverage = weights.cwiseProduct(rows_of(of_all, problem.learn)).squaredNorm();
+    const double variance = white * spread.squaredNorm() / (judged * judged) +
+                            slow * std::pow(spread.mean(), 2) +
                             (white + slow * rows_together(problem, output.noise_tau_s)) * leverage;
     if (!(variance > 0)) continue;
     const double mean = mean_held_out(problem, extension, output);

@@ -30,8 +30,7 @@ constexpr Eigen::Index kMostFieldColumns = 128;
 
 Eigen::MatrixXf Omnibus::white(const SoftBase& base, Eigen::Index output, const NoiseShape& shape,
                                const Eigen::MatrixXd& series) const {
-  (void)output;
-  const WhitenedSpace space(problem_.timeline, shape, independent_base(base));
+  const WhitenedSpace space(problem_.timeline, shape, independent_base(base), output);
   Eigen::MatrixXd left = space.left_over(series);
   const auto n = static_cast<double>(left.rows());
   const auto scale = [&] {
@@ -107,11 +106,10 @@ std::vector<NoiseShape> Omnibus::shapes_with_a_field(const Ground& ground) const
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
     std::size_t best = 0;
     for (std::size_t s = 1; s < ground.shape_count(); ++s)
-      if (ground.space(s).shape().tau_s <= longest &&
-          ground.worse_by(s, o) < ground.worse_by(best, o))
+      if (ground.shape(s).tau_s <= longest && ground.worse_by(s, o) < ground.worse_by(best, o))
         best = s;
     add(ground.noise(o));
-    add(ground.space(best).shape());
+    add(ground.shape(best));
   }
   return shapes;
 }
@@ -196,7 +194,7 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
   white_sd_.clear();
   for (Eigen::Index o = 0; o < outputs; ++o) {
     noise_.push_back(ground.noise(o));
-    white_sd_.push_back(ground.white_sd(o));
+    white_sd_.push_back(ground.white_sd(o).value);
   }
   const Eigen::MatrixXd mixing = ground.correlation().llt().matrixL();
   std::mt19937_64 random(options.seed);
@@ -319,7 +317,7 @@ double Omnibus::share_left(const SoftBase& with, const SoftBase& without) const 
     const auto at = static_cast<std::size_t>(o);
     const auto scaled = [&](const SoftBase& base) {
       // In units of the noise that is left with everything in, not clipped to its own size.
-      const WhitenedSpace space(problem_.timeline, noise_[at], independent_base(base));
+      const WhitenedSpace space(problem_.timeline, noise_[at], independent_base(base), o);
       const Eigen::MatrixXf left = (space.left_over(series_.col(o)) / white_sd_[at]).cast<float>();
       return forms(left);
     };
@@ -450,7 +448,7 @@ std::vector<SmallestSeen> Omnibus::smallest(const SoftBase& base) const {
     if (shape->maxCoeff() - shape->minCoeff() < 1e-9) continue;
     for (Eigen::Index o = 0; o < series_.cols(); ++o) {
       const auto at = static_cast<std::size_t>(o);
-      const WhitenedSpace space(problem_.timeline, noise_[at], independent_base(base));
+      const WhitenedSpace space(problem_.timeline, noise_[at], independent_base(base), o);
       const double rms = std::sqrt((shape->array() - shape->mean()).square().mean());
       const Eigen::MatrixXd own =
           forms(space.left_over(Eigen::MatrixXd(*shape / (rms * white_sd_[at]))).cast<float>());

@@ -151,8 +151,8 @@ bool ToldFromGeometry::goes_with_its_places(const Cause& cause, double period,
   double plain = 0, of_wave = 0, of_data = 0;  // of_: explained with each row at its place
   for (std::size_t o = 0; o < shape.size(); ++o) {
     const auto at = static_cast<Eigen::Index>(o);
-    const auto& space = ground.space(shape[o]);
-    const double weight = 1 / (ground.white_sd(at) * ground.white_sd(at));
+    const auto& space = ground.space(shape[o], at);
+    const double weight = std::pow(ground.white_sd(at).value, -2);
     const Eigen::VectorXd left = space.left_over(ground.series().col(at));
     const Eigen::MatrixXd white = space.left_over(columns);
     const Eigen::VectorXd wave = white * white.completeOrthogonalDecomposition().solve(left);
@@ -179,8 +179,8 @@ bool ToldFromGeometry::operator()(const Cause& cause, double parameter,
   double plain = 0, beyond_geometry = 0, own = 0, held = 0;
   for (std::size_t o = 0; o < shape.size(); ++o) {
     const auto at = static_cast<Eigen::Index>(o);
-    const auto& space = ground.space(shape[o]);
-    const double weight = 1 / (ground.white_sd(at) * ground.white_sd(at));
+    const auto& space = ground.space(shape[o], at);
+    const double weight = std::pow(ground.white_sd(at).value, -2);
     const Eigen::MatrixXd white = space.left_over(columns);
     const Eigen::VectorXd left = space.left_over(ground.series().col(at));
     const Eigen::MatrixXd basis = beyond(space, geometry_);

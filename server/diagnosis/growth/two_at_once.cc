@@ -29,7 +29,8 @@ std::vector<std::size_t> furthest(const Look& look) {
 Result<bool> Extension::add_two(const Look& look, double alpha) {
   const Search::Chance chance = search_.chance();
   const auto named = named_;
-  const auto noise_sd = noise_sd_;
+  const auto between_neighbours = between_neighbours_;
+  const auto white_sd = white_sd_;
   const auto ruled_out = ruled_out_;
   const auto shapes = shapes_;
   const auto refused = refused_;
@@ -38,7 +39,8 @@ Result<bool> Extension::add_two(const Look& look, double alpha) {
     DRIFTWISE_TRY(const bool added, add_beside(cause, look, alpha));
     if (added) return true;
     named_ = named;
-    noise_sd_ = noise_sd;
+    between_neighbours_ = between_neighbours;
+    white_sd_ = white_sd;
     ruled_out_ = ruled_out;
     shapes_ = shapes;
     refused_ = refused;

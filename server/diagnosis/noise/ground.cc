@@ -125,22 +125,32 @@ Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& column
 Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
                const SoftBase& base, const Eigen::MatrixXd& series,
                const std::function<bool()>& tick)
-    : series_(series), criterion_(static_cast<Eigen::Index>(shapes.size()), series.cols()) {
+    : series_(series),
+      spreads_(timeline.spreads()),
+      criterion_(static_cast<Eigen::Index>(shapes.size()), series.cols()) {
   const SoftBase independent = independent_base(base);
-  spaces_.reserve(shapes.size());
+  spaces_.reserve(shapes.size() * static_cast<std::size_t>(spreads_));
   for (const auto& shape : shapes) {
     if (!spaces_.empty() && tick && !tick()) break;
-    spaces_.emplace_back(timeline, shape, independent);
-    left_.push_back(spaces_.back().left_over(series_));
-    const auto row = static_cast<Eigen::Index>(left_.size()) - 1;
+    for (Eigen::Index g = 0; g < spreads_; ++g)
+      spaces_.emplace_back(timeline, shape, independent, g);
+    const std::size_t at = left_.size();
+    if (spreads_ == 1) {
+      left_.push_back(spaces_.back().left_over(series_));
+    } else {
+      left_.emplace_back(series_.rows(), series_.cols());
+      for (Eigen::Index o = 0; o < series.cols(); ++o)
+        left_.back().col(o) = space(at, o).left_over(series_.col(o));
+    }
     for (Eigen::Index o = 0; o < series.cols(); ++o)
-      criterion_(row, o) = spaces_.back().criterion(left_.back().col(o).squaredNorm());
+      criterion_(static_cast<Eigen::Index>(at), o) =
+          space(at, o).criterion(left_.back().col(o).squaredNorm());
   }
-  criterion_.conservativeResize(static_cast<Eigen::Index>(spaces_.size()), Eigen::NoChange);
+  criterion_.conservativeResize(static_cast<Eigen::Index>(shape_count()), Eigen::NoChange);
   best_ = shared_shape(criterion_).shape;
   priced_ = criterion_;
   for (Eigen::Index s = 0; s < priced_.rows(); ++s)
-    priced_.row(s).array() += price_of(spaces_[static_cast<std::size_t>(s)].shape(), outputs());
+    priced_.row(s).array() += price_of(shape(static_cast<std::size_t>(s)), outputs());
   auto shared = shared_shape(priced_);
   total_ = shared.total;
   best_priced_ = std::move(shared.shape);
@@ -148,17 +158,18 @@ Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
     alike_ = outputs_alike(correlation(), static_cast<double>(spaces_.front().dof()));
 }
 
-double Ground::white_sd(Eigen::Index output) const {
+WhiteSd Ground::white_sd(Eigen::Index output) const {
   const auto at = best_shape(output);
-  return std::sqrt(left_[at].col(output).squaredNorm() / static_cast<double>(spaces_[at].dof()));
+  return {std::sqrt(left_[at].col(output).squaredNorm() /
+                    static_cast<double>(space(at, output).dof()))};
 }
 
-double Ground::white_sd_with(const Gain& effect, Eigen::Index output) const {
+WhiteSd Ground::white_sd_with(const Gain& effect, Eigen::Index output) const {
   const auto o = static_cast<std::size_t>(output);
   const std::size_t at = effect.shape[o];
   Eigen::VectorXd left = left_[at].col(output);
   if (effect.contribution[o].size() > 0) left -= effect.contribution[o];
-  return std::sqrt(left.squaredNorm() / static_cast<double>(spaces_[at].dof()));
+  return {std::sqrt(left.squaredNorm() / static_cast<double>(space(at, output).dof()))};
 }
 
 double Ground::worse_by(std::size_t shape, Eigen::Index output) const {
@@ -181,18 +192,20 @@ Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& 
   result.of_output.assign(count, 0);
   result.contribution.resize(count);
   Eigen::MatrixXd with = priced_;
-  std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
-  for (std::size_t s = 0; s < spaces_.size(); ++s) {
-    const Eigen::MatrixXd basis = beyond(spaces_[s], columns);
+  std::vector<std::vector<Eigen::VectorXd>> contribution(shape_count());
+  for (std::size_t s = 0; s < shape_count(); ++s) {
+    std::vector<Eigen::MatrixXd> bases;
+    for (Eigen::Index g = 0; g < spreads_; ++g) bases.push_back(beyond(in_spread(s, g), columns));
     contribution[s].resize(count);
     for (Eigen::Index o = 0; o < outputs(); ++o) {
       const auto at = static_cast<std::size_t>(o);
       if (on[at] == 0) continue;
+      const Eigen::MatrixXd& basis = bases[static_cast<std::size_t>(spread_of(o))];
       const Eigen::VectorXd along = basis.transpose() * left_[s].col(o);
       const double rss = left_[s].col(o).squaredNorm();
       with(static_cast<Eigen::Index>(s), o) =
-          spaces_[s].criterion(std::max(rss - along.squaredNorm(), kLeast * rss)) +
-          price_of(spaces_[s].shape(), outputs());
+          space(s, o).criterion(std::max(rss - along.squaredNorm(), kLeast * rss)) +
+          price_of(shape(s), outputs());
       contribution[s][at] = basis * along;
     }
   }
@@ -219,28 +232,31 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   result.contribution.resize(count);
   Eigen::MatrixXd with = priced_, with_free = priced_;
   Eigen::MatrixXd share = Eigen::MatrixXd::Zero(with.rows(), with.cols());
-  std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
+  std::vector<std::vector<Eigen::VectorXd>> contribution(shape_count());
   const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
   const bool may_not_act = (prior.array() > 0).colwise().any().count() > 1;
-  for (std::size_t s = 0; s < spaces_.size(); ++s) {
+  for (std::size_t s = 0; s < shape_count(); ++s) {
     const auto row = static_cast<Eigen::Index>(s);
-    const Eigen::MatrixXd white = news_of(spaces_[s], centred);
+    std::vector<Eigen::MatrixXd> whites;
+    for (Eigen::Index g = 0; g < spreads_; ++g) whites.push_back(news_of(in_spread(s, g), centred));
     contribution[s].resize(count);
     for (Eigen::Index o = 0; o < outputs(); ++o) {
       if ((prior.col(o).array() <= 0).all()) continue;
+      const Eigen::MatrixXd& white = whites[static_cast<std::size_t>(spread_of(o))];
+      const WhitenedSpace& space = this->space(s, o);
       const auto& left = left_[s].col(o);
       const double rss = left.squaredNorm();
       const Eigen::VectorXd along = white.transpose() * left;
-      const Eigen::VectorXd width = prior.col(o) / white_sd(o);
+      const Eigen::VectorXd width = prior.col(o) / white_sd(o).value;
       const Integrated wide(white, kWidths * width);
-      with_free(row, o) = spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss)) +
-                          price_of(spaces_[s].shape(), outputs());
+      with_free(row, o) = space.criterion(std::max(rss - wide.taken(along), kLeast * rss)) +
+                          price_of(space.shape(), outputs());
       ByShare two_ln{};
       double highest = -INFINITY;
       for (std::size_t k = 0; k < kPriorShares.size(); ++k) {
         const Integrated one(white, kPriorShares[k] * width);
         two_ln[k] = criterion_(row, o) -
-                    spaces_[s].criterion(std::max(rss - one.taken(along), kLeast * rss)) -
+                    space.criterion(std::max(rss - one.taken(along), kLeast * rss)) -
                     one.log_determinant;
         if (!(two_ln[k] > highest)) continue;
         highest = two_ln[k];
@@ -276,8 +292,8 @@ Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) 
   for (Eigen::Index o = 0; o < outputs(); ++o) {
     const auto at = static_cast<std::size_t>(o);
     if (first.contribution[at].size() == 0) continue;
-    const double sd = white_sd_with(first, o);
-    if (sd > 0) weighed.col(o) *= white_sd(o) / sd;
+    const double sd = white_sd_with(first, o).value;
+    if (sd > 0) weighed.col(o) *= white_sd(o).value / sd;
   }
   return gain(columns, weighed);
 }
@@ -285,13 +301,13 @@ Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) 
 Ground::Amplitudes Ground::amplitudes(const Eigen::MatrixXd& columns, const PriorSd& prior,
                                       std::size_t shape, Eigen::Index output) const {
   const Eigen::MatrixXd white =
-      spaces_[shape].left_over(columns.rowwise() - columns.colwise().mean());
+      space(shape, output).left_over(columns.rowwise() - columns.colwise().mean());
   const auto left = left_[shape].col(output);
   const Eigen::VectorXd along = white.transpose() * left;
-  const Integrated first(white, prior.col(output) / white_sd(output));
+  const Integrated first(white, prior.col(output) / white_sd(output).value);
   const double sd =
       std::max((left - white * first.amplitudes(along)).norm(), kLeast * left.norm()) /
-      std::sqrt(static_cast<double>(spaces_[shape].dof()));
+      std::sqrt(static_cast<double>(space(shape, output).dof()));
   const Integrated with(white, prior.col(output) / sd);
   Amplitudes result{with.amplitudes(along), {}};
   result.error = sd * with.errors();

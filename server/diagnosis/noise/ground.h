@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/diagnosis/noise/noise_model.h"
+#include "server/diagnosis/noise/white_sd.h"
 #include "server/diagnosis/noise/whitened_space.h"
 
 namespace driftwise::diagnosis {
@@ -91,17 +92,27 @@ class Ground {
   Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes, const SoftBase& base,
          const Eigen::MatrixXd& series, const std::function<bool()>& tick = {});
 
-  std::size_t shape_count() const { return spaces_.size(); }
+  std::size_t shape_count() const { return left_.size(); }
   Eigen::Index outputs() const { return series_.cols(); }
-  const WhitenedSpace& space(std::size_t shape) const { return spaces_[shape]; }
+  const NoiseShape& shape(std::size_t at) const { return in_spread(at, 0).shape(); }
+  // Outputs whose rows are spread alike share their spaces.
+  const WhitenedSpace& space(std::size_t shape, Eigen::Index output) const {
+    return in_spread(shape, spread_of(output));
+  }
+  // Of Timeline::sd.
+  Eigen::Index spreads() const { return spreads_; }
+  Eigen::Index spread_of(Eigen::Index output) const { return spreads_ > 1 ? output : 0; }
+  const WhitenedSpace& in_spread(std::size_t shape, Eigen::Index spread) const {
+    return spaces_[shape * static_cast<std::size_t>(spreads_) + static_cast<std::size_t>(spread)];
+  }
   const Eigen::MatrixXd& series() const { return series_; }
   std::size_t best_shape(Eigen::Index output) const {
     return best_[static_cast<std::size_t>(output)];
   }
-  const NoiseShape& noise(Eigen::Index output) const { return spaces_[best_shape(output)].shape(); }
-  double white_sd(Eigen::Index output) const;
+  const NoiseShape& noise(Eigen::Index output) const { return shape(best_shape(output)); }
+  WhiteSd white_sd(Eigen::Index output) const;
   // Of the white noise with an effect in, under the shape that is best with it.
-  double white_sd_with(const Gain& effect, Eigen::Index output) const;
+  WhiteSd white_sd_with(const Gain& effect, Eigen::Index output) const;
   // How much worse a shape explains an output than the one that it has, in 2 ln L; negative where
   // the outputs together chose another one.
   double worse_by(std::size_t shape, Eigen::Index output) const;
@@ -126,7 +137,8 @@ class Ground {
 
  private:
   Eigen::MatrixXd series_;
-  std::vector<WhitenedSpace> spaces_;
+  Eigen::Index spreads_ = 1;
+  std::vector<WhitenedSpace> spaces_;  // per shape and spread
   std::vector<Eigen::MatrixXd> left_;  // per shape: of the series
   Eigen::MatrixXd criterion_;          // shapes x outputs
   std::vector<std::size_t> best_;      // by it

@@ -42,9 +42,15 @@ Mean mean_of(double readings, double span_s, double tau_s) {
 
 }  // namespace
 
-Whitener::Whitener(const Timeline& timeline, NoiseShape shape)
+Timeline Timeline::with_one_spread() const {
+  Timeline result = *this;
+  if (sd.cols() > 1) result.sd = sd.cwiseAbs2().rowwise().mean().cwiseSqrt();
+  return result;
+}
+
+Whitener::Whitener(const Timeline& timeline, NoiseShape shape, Eigen::Index output)
     : decay_(timeline.rows()), gain_(timeline.rows()), inverse_sd_(timeline.rows()) {
-  if (timeline.sd.size() > 0) weight_ = timeline.sd.cwiseInverse();
+  if (timeline.sd.size() > 0) weight_ = timeline.sd.col(timeline.spread_of(output)).cwiseInverse();
   const double slow = shape.slow_ratio;
   double variance = slow, before = 1;  // of the slow part, before the row is seen
   for (Eigen::Index i = 0; i < timeline.rows(); ++i) {
@@ -133,7 +139,7 @@ Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<Nois
   if (timeline.readings.size() > 0) {
     for (Eigen::Index i = 0; i < timeline.rows(); ++i) series.row(i) = draw();
     for (Eigen::Index o = 0; o < count; ++o)
-      Whitener(timeline, shapes[static_cast<std::size_t>(o)]).colour(series.col(o));
+      Whitener(timeline, shapes[static_cast<std::size_t>(o)], o).colour(series.col(o));
     return series;
   }
   Eigen::VectorXd slow = Eigen::VectorXd::Zero(count);
@@ -146,8 +152,8 @@ Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<Nois
       const double decay = afresh ? 0 : std::exp(-dt_s / shape.tau_s);
       slow[o] = decay * slow[o] + std::sqrt(shape.slow_ratio * (1 - decay * decay)) * pushes[o];
       series(i, o) = slow[o] + white[o];
+      if (timeline.sd.size() > 0) series(i, o) *= timeline.sd(i, timeline.spread_of(o));
     }
-    if (timeline.sd.size() > 0) series.row(i) *= timeline.sd[i];
   }
   return series;
 }

@@ -8,6 +8,7 @@
 // gains that depend on the instants only: unequal steps need no care, n rows cost n.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -25,17 +26,26 @@ struct NoiseShape {
 struct Timeline {
   Eigen::VectorXd time_s;     // not decreasing within a stretch
   std::vector<char> restart;  // one per row; the first is 1
-  Eigen::VectorXd sd;         // of each row's noise over the others'; empty: all alike
+  // Spread of each row's noise over the others': one column for all outputs, or one for each of
+  // them; empty: all alike.
+  Eigen::MatrixXd sd;
   // Rows that are means of several readings, evenly over some time: how many, and from the first
   // to the last. Empty: of one each. A mean of correlated noise hangs together with the next more
   // than an instant does, and is itself calmer.
   Eigen::VectorXd readings = {}, span_s = {};
   Eigen::Index rows() const { return time_s.size(); }
+  // Columns of the spread; all rows alike are one.
+  Eigen::Index spreads() const { return std::max<Eigen::Index>(sd.cols(), 1); }
+  // With one spread for what several outputs make up together: root mean square over them.
+  Timeline with_one_spread() const;
+  // The column of an output.
+  Eigen::Index spread_of(Eigen::Index output) const { return sd.cols() > 1 ? output : 0; }
 };
 
 class Whitener {
  public:
-  Whitener(const Timeline& timeline, NoiseShape shape);
+  // output: whose spread it is.
+  Whitener(const Timeline& timeline, NoiseShape shape, Eigen::Index output = 0);
   // Each column becomes its innovations over their standard deviation, in units of the white
   // part's.
   void apply(Eigen::Ref<Eigen::MatrixXd> columns) const;

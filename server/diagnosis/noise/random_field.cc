@@ -15,10 +15,12 @@ constexpr int kClippings = 2;
 
 RandomField::RandomField(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
                          const SoftBase& base, double clip)
-    : clip_(clip) {
+    : clip_(clip), spreads_(timeline.spreads()) {
   const SoftBase independent = independent_base(base);
-  spaces_.reserve(shapes.size());
-  for (const auto& shape : shapes) spaces_.emplace_back(timeline, shape, independent);
+  spaces_.reserve(shapes.size() * static_cast<std::size_t>(spreads_));
+  for (const auto& shape : shapes)
+    for (Eigen::Index g = 0; g < spreads_; ++g)
+      spaces_.emplace_back(timeline, shape, independent, g);
 }
 
 RandomField::Seen RandomField::see(const std::vector<Eigen::MatrixXd>& outputs) const {
@@ -29,26 +31,31 @@ RandomField::Seen RandomField::see(const std::vector<Eigen::MatrixXd>& outputs) 
   for (std::size_t o = 0; o < outputs.size(); ++o)
     all.middleCols(static_cast<Eigen::Index>(o) * series, series) = outputs[o];
   Eigen::ArrayXd without = Eigen::ArrayXd::Constant(all.cols(), INFINITY);
-  for (const auto& space : spaces_) {
-    Eigen::MatrixXd left = space.left_over(all);
-    for (int pass = 0; pass < kClippings; ++pass) {
-      for (Eigen::Index k = 0; k < left.cols(); ++k) {
-        const double most =
-            clip_ * left.col(k).norm() / std::sqrt(static_cast<double>(left.rows()));
-        left.col(k) = left.col(k).cwiseMax(-most).cwiseMin(most);
+  // Columns of the outputs whose rows are spread alike.
+  const Eigen::Index together = all.cols() / spreads_;
+  for (std::size_t s = 0; s * static_cast<std::size_t>(spreads_) < spaces_.size(); ++s) {
+    seen.projected.emplace_back(rows, all.cols());
+    seen.behind.emplace_back(all.cols());
+    for (Eigen::Index g = 0; g < spreads_; ++g) {
+      const WhitenedSpace& here = space(s, g);
+      Eigen::MatrixXd left = here.left_over(all.middleCols(g * together, together));
+      for (int pass = 0; pass < kClippings; ++pass) {
+        for (Eigen::Index k = 0; k < left.cols(); ++k) {
+          const double most =
+              clip_ * left.col(k).norm() / std::sqrt(static_cast<double>(left.rows()));
+          left.col(k) = left.col(k).cwiseMax(-most).cwiseMin(most);
+        }
+        here.project(left);  // what was clipped is no part of the base either
       }
-      space.project(left);  // what was clipped is no part of the base either
+      for (Eigen::Index k = 0; k < left.cols(); ++k) {
+        const double squares = left.col(k).squaredNorm();
+        seen.behind.back()[g * together + k] = here.criterion(squares);
+        left.col(k) /= std::sqrt(std::max(squares, 1e-300));
+      }
+      here.project(left);  // in place of every field's columns
+      seen.projected.back().middleCols(g * together, together) = left.cast<float>();
     }
-    Eigen::ArrayXd criterion(left.cols());
-    for (Eigen::Index k = 0; k < left.cols(); ++k) {
-      const double squares = left.col(k).squaredNorm();
-      criterion[k] = space.criterion(squares);
-      left.col(k) /= std::sqrt(std::max(squares, 1e-300));
-    }
-    without = without.min(criterion);
-    space.project(left);  // in place of every field's columns
-    seen.projected.push_back(left.cast<float>());
-    seen.behind.push_back(std::move(criterion));
+    without = without.min(seen.behind.back());
   }
   for (auto& behind : seen.behind) behind -= without;
   return seen;
@@ -103,22 +110,27 @@ class TridiagonalGram {
 
 Eigen::MatrixXd RandomField::growth(const Eigen::MatrixXd& columns, const Seen& seen) const {
   const Eigen::Index count = seen.behind.front().size();
-  Eigen::ArrayXf most = Eigen::ArrayXf::Zero(count), taken(count), worse(count);
+  const Eigen::Index together = count / spreads_;
+  Eigen::ArrayXf most = Eigen::ArrayXf::Zero(count), taken(together), worse(together);
   Eigen::MatrixXd white;
-  for (std::size_t s = 0; s < spaces_.size(); ++s) {
-    white = columns;
-    spaces_[s].whiten(white);
-    const TridiagonalGram gram(spaces_[s].gram_beyond(white));
-    const Eigen::ArrayXXf turned = gram.turned(white.cast<float>().transpose() * seen.projected[s]);
-    const auto dof = static_cast<float>(spaces_[s].dof());
-    const Eigen::ArrayXf behind = seen.behind[s].cast<float>();
-    for (const double rho : kFieldOverNoise) {
-      const auto log_determinant =
-          static_cast<float>(gram.share(rho / static_cast<double>(columns.cols()), turned, taken));
-      worse = behind + dof * (1 - taken).max(kLeastShare).log() + log_determinant;
-      most = most.max(-worse);
+  for (std::size_t s = 0; s < seen.projected.size(); ++s)
+    for (Eigen::Index g = 0; g < spreads_; ++g) {
+      const WhitenedSpace& here = space(s, g);
+      white = columns;
+      here.whiten(white);
+      const TridiagonalGram gram(here.gram_beyond(white));
+      const Eigen::ArrayXXf turned = gram.turned(
+          white.cast<float>().transpose() * seen.projected[s].middleCols(g * together, together));
+      const auto dof = static_cast<float>(here.dof());
+      const Eigen::ArrayXf behind = seen.behind[s].segment(g * together, together).cast<float>();
+      for (const double rho : kFieldOverNoise) {
+        const auto log_determinant = static_cast<float>(
+            gram.share(rho / static_cast<double>(columns.cols()), turned, taken));
+        worse = behind + dof * (1 - taken).max(kLeastShare).log() + log_determinant;
+        auto here_most = most.segment(g * together, together);
+        here_most = here_most.max(-worse);
+      }
     }
-  }
   return most.matrix().cast<double>().reshaped(seen.series, count / seen.series).transpose();
 }
 

@@ -37,7 +37,12 @@ class RandomField {
 
  private:
   double clip_;
-  std::vector<WhitenedSpace> spaces_;
+  const WhitenedSpace& space(std::size_t shape, Eigen::Index spread) const {
+    return spaces_[shape * static_cast<std::size_t>(spreads_) + static_cast<std::size_t>(spread)];
+  }
+
+  Eigen::Index spreads_;               // of Timeline::sd
+  std::vector<WhitenedSpace> spaces_;  // per shape and spread
 };
 
 }  // namespace driftwise::diagnosis

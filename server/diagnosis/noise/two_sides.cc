@@ -29,7 +29,7 @@ class Sides {
   Sides(const Timeline& timeline, const SoftBase& base, const Eigen::MatrixXd& series)
       : white_(timeline, NoiseShape{0, 1}, base),
         weight_(timeline.sd.size() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Ones(timeline.rows()))
-                                        : Eigen::VectorXd(timeline.sd.cwiseInverse())),
+                                        : Eigen::VectorXd(timeline.sd.col(0).cwiseInverse())),
         left_(white_.left_over(series)) {}
 
   const Eigen::MatrixXd& left() const { return left_; }
@@ -161,8 +161,9 @@ bool is_told_by(const Eigen::MatrixXd& channels, const Eigen::VectorXd& side) {
 
 }  // namespace
 
-std::optional<TwoSides> two_sides(const Timeline& timeline, const SoftBase& simulation,
+std::optional<TwoSides> two_sides(const Timeline& given, const SoftBase& simulation,
                                   const Eigen::MatrixXd& series, const Eigen::MatrixXd& channels) {
+  const Timeline timeline = given.with_one_spread();  // a row's side is one for all outputs
   const SoftBase base = independent_base(simulation);
   Sides sides(timeline, base, series);
   const Eigen::MatrixXd guesses = sides.guesses(base);

@@ -28,8 +28,9 @@ Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns) {
 
 }  // namespace
 
-WhitenedSpace::WhitenedSpace(const Timeline& timeline, NoiseShape shape, const SoftBase& base)
-    : shape_(shape), whitener_(timeline, shape), free_(base.free_count()) {
+WhitenedSpace::WhitenedSpace(const Timeline& timeline, NoiseShape shape, const SoftBase& base,
+                             Eigen::Index output)
+    : shape_(shape), whitener_(timeline, shape, output), free_(base.free_count()) {
   const Eigen::Index soft = base.columns.cols() - free_;
   Eigen::MatrixXd white = base.columns;
   whitener_.apply(white);

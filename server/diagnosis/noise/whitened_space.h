@@ -17,8 +17,9 @@ namespace driftwise::diagnosis {
 
 class WhitenedSpace {
  public:
-  // base: its free columns independent (see independent_base()).
-  WhitenedSpace(const Timeline& timeline, NoiseShape shape, const SoftBase& base);
+  // base: its free columns independent (see independent_base()). output: whose spread it is.
+  WhitenedSpace(const Timeline& timeline, NoiseShape shape, const SoftBase& base,
+                Eigen::Index output = 0);
 
   const NoiseShape& shape() const { return shape_; }
   Eigen::Index dof() const { return basis_.rows() - free_; }

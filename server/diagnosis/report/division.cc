@@ -173,13 +173,14 @@ std::vector<Division> divisions_of(const Problem& problem, const std::vector<Cau
       {}, extension.shapes().empty() ? noise_grid(problem.timeline) : extension.shapes());
   std::vector<Division> divisions;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-    const SoftBase base = extension.described(o);
+    const auto at = static_cast<Eigen::Index>(o);
+    const WhiteSd noise = ground.white_sd(at);
+    const SoftBase base = extension.described_whitened(o, noise);
     const auto acts = [&](const std::vector<Eigen::Index>& side) {
       return std::ranges::any_of(side, [&](Eigen::Index k) { return base.precision[k] < 1e299; });
     };
     if (!acts(robot) || !acts(instruments)) continue;
-    const auto at = static_cast<Eigen::Index>(o);
-    const Whitener whitener(problem.timeline, ground.noise(at));
+    const Whitener whitener(problem.timeline, ground.noise(at), at);
     Eigen::MatrixXd learned = problem.learned(base.columns);
     Eigen::MatrixXd again = problem.learned(begun_elsewhere(problem, columns, base.columns));
     for (std::size_t k = 0; k < columns.size(); ++k) {  // counted from the first row: small numbers
@@ -195,21 +196,22 @@ std::vector<Division> divisions_of(const Problem& problem, const std::vector<Cau
     normal.diagonal() += base.precision;
     const Posterior posterior = posterior_of(normal);
     const Eigen::VectorXd b = posterior.solve(white.transpose() * y.col(0));
-    const double sd = ground.white_sd(at);
     Division one;
     one.output = problem.outputs[o].channel.symbol;
     one.unit = problem.outputs[o].unit;
     one.robot_rms = rms_of(learned(Eigen::all, robot), b(robot));
     one.instrument_rms = rms_of(learned(Eigen::all, instruments), b(instruments));
-    one.u90 = sd * u90_of(learned(Eigen::all, instruments), posterior.covariance(instruments));
+    one.u90 =
+        noise.value * u90_of(learned(Eigen::all, instruments), posterior.covariance(instruments));
     // The second run joined to the first one, with a zero of its own.
     Eigen::MatrixXd second(again.rows(), again.cols() + 1);
     second << again, Eigen::VectorXd::Ones(again.rows());
     whitener.apply(second);
     Eigen::MatrixXd both = second.transpose() * second;
     both.topLeftCorner(normal.rows(), normal.cols()) += normal;
-    one.u90_with_another_start = sd * u90_of(learned(Eigen::all, instruments),
-                                             posterior_of(std::move(both)).covariance(instruments));
+    one.u90_with_another_start =
+        noise.value * u90_of(learned(Eigen::all, instruments),
+                             posterior_of(std::move(both)).covariance(instruments));
     one.robot = names_of(columns, Side::robot);
     one.instruments = names_of(columns, Side::instruments);
     if (std::isfinite(one.u90) && std::isfinite(one.u90_with_another_start))

@@ -8,6 +8,7 @@
 
 #include "server/core/units.h"
 #include "server/diagnosis/catalogue/linear_parameter.h"
+#include "server/diagnosis/growth/motors_as_served.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
 
@@ -127,25 +128,21 @@ void say_of_motors(const CoordinateFrame& frame, const Problem& problem, const C
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> of_base(base);
   const Eigen::MatrixXd beyond = own - base * of_base.solve(own);
   const auto judges = static_cast<Index>(problem.judge.size());
-  Eigen::MatrixXd before(judges, size), after(judges, size), left(columns.rows(), size);
-  for (Index c = 0; c < size; ++c) {
-    const auto at = static_cast<std::size_t>(c);
-    const auto& output = problem.outputs[at];
-    left.col(c) = rows_of(residuals(problem, output, extension.described(at)), problem.learn);
-    if (judges < 4) continue;
-    before.col(c) = judged_residuals(problem, output, extension.described(at, index));
-    after.col(c) = judged_residuals(problem, output, extension.described(at));
-  }
-  left = frame.of_motors(left, problem.learn);
+  Eigen::MatrixXd before, after;
   if (judges >= 4) {
-    before = frame.of_motors(before, problem.judge);
-    after = frame.of_motors(after, problem.judge);
+    before = judged_motors_as_served(frame, problem, extension, index);
+    after = judged_motors_as_served(frame, problem, extension);
   }
+  const Eigen::MatrixXd left = motors_as_served(
+      frame, problem, extension, problem.learn,
+      [&problem](const ProblemOutput& coordinate, const SoftBase& simulation) -> Eigen::VectorXd {
+        return rows_of(residuals(problem, coordinate, simulation), problem.learn);
+      });
   std::vector<FindingOutput> outputs;
   std::vector<double> seen;
   for (Index o = 0; o < size; ++o) {
     const ProblemOutput& motor = frame.motors[static_cast<std::size_t>(o)];
-    if (!may_act_on(cause, motor.channel.symbol)) continue;
+    if (!extension.is_said_of(index, motor.channel.symbol)) continue;
     FindingOutput one{.output = motor.channel.symbol, .unit = motor.unit};
     one.amplitude = std::sqrt(beyond.col(o).squaredNorm() / static_cast<double>(beyond.rows()));
     const double rest = left.col(o).squaredNorm();
@@ -171,7 +168,8 @@ void say_of_motors(const CoordinateFrame& frame, const Problem& problem, const C
   if (outputs.size() == frame.motors.size()) turn_corrections(frame, problem, finding, outputs);
   if (cause.subject.empty() && finding.applies_to != effects::AppliesTo::robot) {
     Eigen::VectorXd noise_sd(size);
-    for (Index c = 0; c < size; ++c) noise_sd[c] = extension.noise_sd(static_cast<std::size_t>(c));
+    for (Index c = 0; c < size; ++c)
+      noise_sd[c] = extension.between_neighbours(static_cast<std::size_t>(c));
     // Of two phases the stronger one.
     const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
     const Eigen::MatrixXd in_noise =

@@ -11,6 +11,7 @@
 #include "server/diagnosis/catalogue/linear_parameter.h"
 #include "server/diagnosis/catalogue/parameter.h"
 #include "server/diagnosis/growth/correction_reach.h"
+#include "server/diagnosis/growth/motors_as_served.h"
 #include "server/diagnosis/report/motor_figures.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
@@ -158,27 +159,27 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     FindingOutput one{.output = output.channel.symbol, .unit = output.unit};
     one.gain_2lnl = gain.of_output[o];
     one.shown = one.gain_2lnl > kShown2lnl || (shown == 0 && named.share[o] > 0);
+    const auto at = static_cast<Eigen::Index>(o);
+    const double share = std::max(named.share[o], kPriorShares.back());
     const WeightedFit fit(
-        problem, base, named.learned, o, ground.space(gain.shape[o]).shape(),
-        named.prior.typical.col(static_cast<Eigen::Index>(o)).unaryExpr([&](double sd) {
-          const double share = std::max(named.share[o], kPriorShares.back());
-          return sd > 0 ? std::pow(extension.noise_sd(o) / (share * sd), 2) : 0;
-        }));
+        problem, base, named.learned, o, ground.shape(gain.shape[o]),
+        AddedPrior{ground.white_sd_with(gain, at), share * named.prior.typical.col(at)});
     Eigen::VectorXd added = Eigen::VectorXd::Zero(named.learned.rows());
     for (Eigen::Index k = 0; k < named.learned.cols(); ++k) {
       const double coefficient = fit.added_coefficient(k), error = fit.added_error(k);
       added += coefficient * named.learned.col(k);
       one.coefficients.push_back(coefficient / output.factor);
       if (k == 0) {
-        of_play[static_cast<Eigen::Index>(o)] = coefficient;
-        error_of_play[static_cast<Eigen::Index>(o)] = error;
+        of_play[at] = coefficient;
+        error_of_play[at] = error;
       }
       const auto& term = named.terms[static_cast<std::size_t>(k)];
       const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
-      const double at = named.values[v].parameter;
-      const auto number = output.unit == "nm"       ? linear_number(cause.linear, term, at)
-                          : output.unit == "arcsec" ? linear_number_of_angle(cause.linear, term, at)
-                                                    : LinearNumber{};
+      const double parameter_at = named.values[v].parameter;
+      const auto number = output.unit == "nm" ? linear_number(cause.linear, term, parameter_at)
+                          : output.unit == "arcsec"
+                              ? linear_number_of_angle(cause.linear, term, parameter_at)
+                              : LinearNumber{};
       if (number.name.empty() || !one.shown || !std::isfinite(error)) continue;
       const double value = coefficient * number.factor,
                    reach = kSigmaToU90 * error * std::abs(number.factor);
@@ -224,7 +225,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     Eigen::VectorXd noise_sd(outputs);
     for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
       const auto row = static_cast<Eigen::Index>(o);
-      noise_sd[row] = extension.noise_sd(o);
+      noise_sd[row] = extension.between_neighbours(o);
       for (std::size_t k = 0; k < finding.outputs[o].coefficients.size(); ++k) {
         const auto column = static_cast<Eigen::Index>(k);
         sizes(row, column) = finding.outputs[o].coefficients[k] * problem.outputs[o].factor *
@@ -371,25 +372,28 @@ Left left_of(const Problem& problem, const Extension& extension, std::size_t o) 
   return left;
 }
 
-// The motors', of the coordinates'.
+// The motors', of the coordinates'; after: each with what is said of it.
 std::vector<Left> of_motors(const CoordinateFrame& frame, const Problem& problem,
-                            const std::vector<Left>& coordinates) {
+                            const Extension& extension, const std::vector<Left>& coordinates) {
   std::vector<std::size_t> all(problem.data().rows);
   std::iota(all.begin(), all.end(), std::size_t{0});
   std::vector<Left> result(coordinates.size());
-  const auto turn = [&](Eigen::VectorXd Left::*part, const std::vector<std::size_t>& rows) {
-    if ((coordinates.front().*part).size() == 0) return;
-    Eigen::MatrixXd own((coordinates.front().*part).size(), std::ssize(coordinates));
-    for (std::size_t c = 0; c < coordinates.size(); ++c)
-      own.col(static_cast<Eigen::Index>(c)) = coordinates[c].*part;
-    const Eigen::MatrixXd turned = frame.of_motors(own, rows);
+  const auto take = [&](Eigen::VectorXd Left::*part, const Eigen::MatrixXd& motors) {
     for (std::size_t o = 0; o < result.size(); ++o)
-      result[o].*part = turned.col(static_cast<Eigen::Index>(o));
+      result[o].*part = motors.col(static_cast<Eigen::Index>(o));
   };
-  turn(&Left::before, all);
-  turn(&Left::after, all);
-  turn(&Left::judged_before, problem.judge);
-  turn(&Left::judged_after, problem.judge);
+  Eigen::MatrixXd before(problem.base_columns.rows(), std::ssize(coordinates));
+  for (std::size_t c = 0; c < coordinates.size(); ++c)
+    before.col(static_cast<Eigen::Index>(c)) = coordinates[c].before;
+  take(&Left::before, frame.of_motors(before, all));
+  take(&Left::after,
+       motors_as_served(frame, problem, extension, all,
+                        [&problem](const ProblemOutput& coordinate, const SoftBase& simulation) {
+                          return residuals_as_read(problem, coordinate, simulation);
+                        }));
+  if (coordinates.front().judged_before.size() == 0) return result;
+  take(&Left::judged_before, judged_motors_by_baseline(frame, problem));
+  take(&Left::judged_after, judged_motors_as_served(frame, problem, extension));
   return result;
 }
 
@@ -418,7 +422,7 @@ OutputSummary summary_of(const Problem& problem, const Dataset& dataset,
     one.mean_validation_after = judged_after.mean;
     one.a90_validation_after = judged_after.a90;
   }
-  one.noise_white_sd = ground.white_sd(at);
+  one.noise_white_sd = ground.white_sd(at).value;
   one.noise_slow_sd = one.noise_white_sd * std::sqrt(ground.noise(at).slow_ratio);
   one.noise_tau_s = ground.noise(at).slow_ratio > 0 ? ground.noise(at).tau_s : 0;
   for (const auto& column : dataset.columns)
@@ -439,7 +443,7 @@ std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dat
   std::vector<Left> left;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o)
     left.push_back(left_of(problem, extension, o));
-  if (frame) left = of_motors(*frame, problem, left);
+  if (frame) left = of_motors(*frame, problem, extension, left);
   SoftBase simulation = extension.learned();
   Eigen::MatrixXd series = problem.series();
   if (frame) {
@@ -447,7 +451,8 @@ std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dat
     for (std::size_t o = 0; o < left.size(); ++o)
       series.col(static_cast<Eigen::Index>(o)) = problem.learned(left[o].after);
   }
-  const Ground ground(problem.timeline, noise_grid(problem.timeline), simulation, series);
+  const Ground ground(frame ? problem.timeline.with_one_spread() : problem.timeline,
+                      noise_grid(problem.timeline), simulation, series);
   std::vector<OutputSummary> outputs;
   for (std::size_t o = 0; o < left.size(); ++o)
     outputs.push_back(summary_of(problem, dataset, frame ? frame->motors[o] : problem.outputs[o],

@@ -114,8 +114,8 @@ std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const P
     auto y = result.y.segment(o * n, n);
     const Ground ground(problem.timeline, shapes, Eigen::MatrixXd(columns), y, tick);
     if (ground.shape_count() < shapes.size()) return std::nullopt;
-    const auto& space = ground.space(ground.best_shape(0));
-    const double sd = ground.white_sd(0);
+    const auto& space = ground.space(ground.best_shape(0), 0);
+    const double sd = ground.white_sd(0).value;
     space.whiten(columns);
     space.whiten(y);
     columns /= sd;

@@ -368,13 +368,17 @@ Eigen::MatrixXd Problem::searched() const {
   return result;
 }
 
-void Problem::leave_out(const std::vector<std::size_t>& rows) {
-  std::erase_if(learn, [&](std::size_t row) { return std::ranges::binary_search(rows, row); });
-  judge_without(rows);
+void Problem::spread_rows(const Eigen::VectorXd& sd, std::optional<std::size_t> output) {
+  if (row_sd.size() == 0)
+    row_sd = Eigen::MatrixXd::Ones(sd.size(), static_cast<Eigen::Index>(outputs.size()));
+  for (Eigen::Index o = 0; o < row_sd.cols(); ++o)
+    if (!output || static_cast<std::size_t>(o) == *output)
+      row_sd.col(o) = row_sd.col(o).cwiseProduct(sd).eval();
 }
 
-void Problem::judge_without(const std::vector<std::size_t>& rows) {
+void Problem::leave_out(const std::vector<std::size_t>& rows) {
   const auto gone = [&rows](std::size_t row) { return std::ranges::binary_search(rows, row); };
+  std::erase_if(learn, gone);
   std::erase_if(judge, gone);
   for (auto& fold : folds) {
     std::erase_if(fold.learn, gone);
@@ -407,7 +411,7 @@ void Problem::lay_blocks(std::size_t longest) {
   block_of.assign(learn.size(), 0);
   timeline = {};
   const double pause_s = rows_per_block > 1 ? pause_between(dataset, learn) : 0;
-  std::vector<double> times, counts, variances, firsts, lasts;
+  std::vector<double> times, counts, firsts, lasts;
   for (std::size_t i = 0; i < learn.size(); ++i) {
     const bool restart = i == 0 || begins(dataset, learn[i], learn[i - 1]);
     const bool afresh =
@@ -416,7 +420,6 @@ void Problem::lay_blocks(std::size_t longest) {
     if (afresh || counts.back() >= static_cast<double>(rows_per_block)) {
       times.push_back(0);
       counts.push_back(0);
-      variances.push_back(0);
       firsts.push_back(time_of(dataset, learn[i]));
       lasts.push_back(0);
       timeline.restart.push_back(restart ? 1 : 0);
@@ -424,8 +427,6 @@ void Problem::lay_blocks(std::size_t longest) {
     times.back() += time_of(dataset, learn[i]);
     lasts.back() = time_of(dataset, learn[i]);
     counts.back() += 1;
-    if (row_sd.size() > 0)
-      variances.back() += std::pow(row_sd[static_cast<Eigen::Index>(learn[i])], 2);
     block_of[i] = times.size() - 1;
   }
   timeline.time_s.resize(static_cast<Eigen::Index>(times.size()));
@@ -438,9 +439,10 @@ void Problem::lay_blocks(std::size_t longest) {
                       Eigen::Map<const Eigen::VectorXd>(firsts.data(), blocks);
   }
   if (row_sd.size() == 0) return;
-  timeline.sd.resize(timeline.time_s.size());
-  for (std::size_t b = 0; b < times.size(); ++b)
-    timeline.sd[static_cast<Eigen::Index>(b)] = std::sqrt(variances[b] / counts[b]);
+  timeline.sd = learned(row_sd.cwiseAbs2()).cwiseSqrt();
+  // All outputs alike share what is worked out.
+  if ((timeline.sd.colwise() - timeline.sd.col(0)).isZero(0))
+    timeline.sd = Eigen::MatrixXd(timeline.sd.col(0));
 }
 
 Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& baseline,

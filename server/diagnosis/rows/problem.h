@@ -7,6 +7,7 @@
 // of the model, whatever the columns are.
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,8 @@ struct Problem {
   std::size_t rows_per_block = 1;
   std::vector<std::size_t> block_of;  // of each learning row
   Timeline timeline;                  // of the blocks
-  Eigen::VectorXd row_sd;  // of every dataset row's noise over the others'; empty: all alike
+  // Spread of every dataset row's noise over the others', rows x outputs; empty: all alike.
+  Eigen::MatrixXd row_sd;
   std::vector<ProblemOutput> outputs;
   // In the frame of the coordinates: the motors (search/coordinate_frame.h). Empty: the outputs.
   std::vector<std::string> given_outputs{};
@@ -73,10 +75,11 @@ struct Problem {
   Eigen::MatrixXd series() const;
   // The same without their tails.
   Eigen::MatrixXd searched() const;
+  // From here on the rows of one output, or of all, count by this spread as well: every dataset
+  // row.
+  void spread_rows(const Eigen::VectorXd& sd, std::optional<std::size_t> output);
   // Leaves these rows of the dataset out of learning and judging.
   void leave_out(const std::vector<std::size_t>& rows);
-  // The same of judging and of the fits that are judged; the search keeps its rows.
-  void judge_without(const std::vector<std::size_t>& rows);
   // Blocks and timeline from `learn`; longest: blocks at most.
   void lay_blocks(std::size_t longest);
 };

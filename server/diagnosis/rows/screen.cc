@@ -25,9 +25,10 @@ constexpr double kSurelyGross = 0.9;  // posterior
 constexpr Eigen::Index kNear = 3;     // rows apart: what two of them share lasts longer than a row
 // A spread that grows little by little with the hour does so in all outputs, and is no change at an
 // instant: a third of the gain again for each of them, where chance alone would take 3.4.
+// An output has a change that others have where it gains as much itself: at one instant, 1 in 600
+// by chance.
 constexpr double kNoiseChangeGain = 30, kOfFurtherOutput = 10;
-constexpr double kShownOfOutput = 6;  // of a change that others have
-constexpr double kMostSquare = 9;     // of a square, in units of its usual size
+constexpr double kMostSquare = 9;  // of a square, in units of its usual size
 constexpr Eigen::Index kFewestEachSide = 25;
 
 // The spread of the values, and nowhere less than that of those nearby: gusts are no wrong rows.
@@ -205,7 +206,7 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
   std::vector<Eigen::VectorXd> left_of;
   std::vector<Tails> tails;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
-    const WhitenedSpace& space = ground.space(ground.best_shape(o));
+    const WhitenedSpace& space = ground.space(ground.best_shape(o), o);
     left_of.emplace_back(own_rows(space, space.left_over(ground.series().col(o))).off);
     tails.emplace_back(left_of.back());
   }
@@ -223,7 +224,8 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
     std::vector<Eigen::Index> off;
     for (Eigen::Index i = 0; i < left.size(); ++i)
       if (gross[i] >= kSurelyGross) off.push_back(i);
-    const auto wrong = beyond_the_farther(ground.space(ground.best_shape(o)), left, std::move(off));
+    const auto wrong =
+        beyond_the_farther(ground.space(ground.best_shape(o), o), left, std::move(off));
     std::vector<OutlierRow> rows;
     for (std::size_t k = 0; k < wrong.size(); ++k) {
       const Eigen::Index i = wrong[k];
@@ -322,7 +324,7 @@ std::vector<NoiseChange> changes_together(const std::vector<Spreading>& outputs,
   const double rare = kNoiseChangeGain + kOfFurtherOutput * static_cast<double>(gains.size() - 1);
   if (together < rare) return {};
   for (auto& change : changes) change.together = together;
-  std::erase_if(changes, [](const NoiseChange& one) { return one.gain < kShownOfOutput; });
+  std::erase_if(changes, [](const NoiseChange& one) { return one.gain < kOfFurtherOutput; });
   return changes;
 }
 
@@ -338,7 +340,7 @@ std::vector<NoiseChange> noise_changes(const Ground& ground) {
   std::vector<Spreading> outputs;
   std::vector<NoiseChange> found;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
-    Eigen::VectorXd left = ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
+    Eigen::VectorXd left = ground.space(ground.best_shape(o), o).left_over(ground.series().col(o));
     const double sd = usual_spread(left);
     if (!(sd > 0)) continue;
     // A heavy tail is no change.

@@ -89,24 +89,27 @@ Eigen::MatrixXd determined(const Problem& problem, const Eigen::MatrixXd& all) {
   return all(Eigen::all, kept);
 }
 
-// Per block: the mean over the outputs of the squares of what is left, each about 1, clipped.
-Eigen::VectorXd squares(const Ground& ground) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(ground.series().rows());
+// Per block and output: the squares of what is left, each about 1, clipped.
+Eigen::MatrixXd squares(const Ground& ground) {
+  Eigen::MatrixXd result(ground.series().rows(), ground.outputs());
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
     const Eigen::VectorXd left =
-        ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
+        ground.space(ground.best_shape(o), o).left_over(ground.series().col(o));
     const double sd = robust_sd({left.data(), left.data() + left.size()});
     if (!(sd > 0)) return {};
-    sum += (left / sd).cwiseAbs2().cwiseMin(kClip);
+    result.col(o) = (left / sd).cwiseAbs2().cwiseMin(kClip);
   }
-  return sum / static_cast<double>(ground.outputs());
+  return result;
 }
 
-// all: every dataset row, the first column 1.
-std::optional<Spread> fitted_spread(const Problem& problem, const Ground& ground,
-                                    const Eigen::MatrixXd& all) {
-  const Eigen::VectorXd y = squares(ground);
-  if (y.size() == 0 || all.cols() < 2) return std::nullopt;
+struct OneSpread {
+  Eigen::VectorXd sd;
+  double gain = 0;
+};
+
+// all: every dataset row, the first column 1. y: squares, the mean of so many outputs'.
+std::optional<OneSpread> fitted_to(const Problem& problem, const Eigen::VectorXd& y, double outputs,
+                                   const Eigen::MatrixXd& all) {
   const Eigen::MatrixXd z = problem.learned(all);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(z);
   if (qr.rank() < z.cols()) return std::nullopt;
@@ -131,19 +134,39 @@ std::optional<Spread> fitted_spread(const Problem& problem, const Ground& ground
   const double middle = (z.rightCols(k) * slopes).mean();
   Eigen::VectorXd variance = (ln.array() - middle).max(-kMostLn).min(kMostLn).exp().matrix();
   variance /= problem.learned(variance).mean();
-  Spread result;
+  OneSpread result;
   // Of 2 ln L for normal rows, and less where the squares scatter more than those of normal rows
   // do: a mean of `outputs` of them has the variance 2 / outputs.
   const Eigen::ArrayXd relative = problem.learned(variance).array();
   const double level = (y.array() / relative).mean();
   const double scatter = (y.array() / (relative * level) - 1).square().mean();
-  const auto outputs = static_cast<double>(ground.outputs());
   result.gain =
       outputs *
       (static_cast<double>(y.size()) * std::log(y.mean() / level) - relative.log().sum()) /
       std::max(outputs * scatter / 2, 1.0);
   result.sd = variance.cwiseSqrt();
   return result;
+}
+
+std::optional<Spread> fitted_spread(const Problem& problem, const Ground& ground,
+                                    const Eigen::MatrixXd& all) {
+  const Eigen::MatrixXd of_output = squares(ground);
+  if (of_output.size() == 0 || all.cols() < 2) return std::nullopt;
+  const Eigen::Index outputs = of_output.cols();
+  Spread own{Eigen::MatrixXd::Ones(all.rows(), outputs), {}, 0};
+  for (Eigen::Index o = 0; outputs > 1 && o < outputs; ++o)
+    if (const auto one = fitted_to(problem, of_output.col(o), 1, all)) {
+      own.sd.col(o) = one->sd;
+      own.outputs.push_back(static_cast<std::size_t>(o));
+      own.gain += one->gain;
+    }
+  const auto together =
+      fitted_to(problem, of_output.rowwise().mean(), static_cast<double>(outputs), all);
+  if (!together || own.gain > together->gain)
+    return own.outputs.empty() ? std::nullopt : std::optional(std::move(own));
+  Spread shared{together->sd.replicate(1, outputs), {}, together->gain};
+  for (Eigen::Index o = 0; o < outputs; ++o) shared.outputs.push_back(static_cast<std::size_t>(o));
+  return shared;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "server/diagnosis/noise/ground.h"
 #include "server/diagnosis/rows/problem.h"
@@ -12,16 +13,19 @@
 namespace driftwise::diagnosis {
 
 struct Spread {
-  // Standard deviation of every dataset row's noise over the others', its mean square over the
-  // learning rows 1.
-  Eigen::VectorXd sd;
-  double gain = 0;  // of 2 ln L, allowing for the kurtosis
+  // Standard deviation of every dataset row's noise over the others', rows x outputs; the mean
+  // square over the learning rows is 1.
+  Eigen::MatrixXd sd;
+  std::vector<std::size_t> outputs;  // whose spread it is, ascending
+  double gain = 0;                   // of 2 ln L, allowing for the kurtosis
 };
 
 // The logarithm of the variance is a polynomial of second degree, without products, in the pose
 // coordinates, as far as the places determine it, fitted to the squares of what is left (whitened,
 // clipped: a heavy tail is no place). Nothing where these squares do not go with the place beyond
 // chance, by a Wald test that trusts no distribution (chance: about 1 in 1000).
+// One polynomial for all outputs, or one for each output whose own squares go with the place: what
+// explains more. An axis that turbulence reaches says nothing of one that it does not.
 // ground: of the simulation with all that is named.
 std::optional<Spread> spread_over_places(const Problem& problem, const Ground& ground);
 

@@ -11,19 +11,20 @@ constexpr double kDependentPivot = 1e-9;  // of the largest pivot of columns of 
 }  // namespace
 
 WeightedFit::WeightedFit(const Problem& problem, const SoftBase& base, const Eigen::MatrixXd& added,
-                         std::size_t output, NoiseShape noise, const Eigen::VectorXd& precision)
+                         std::size_t output, NoiseShape noise, const AddedPrior& prior)
     : base_(base.columns.cols()) {
   const Eigen::Index rows = problem.timeline.rows(), p = base_ + added.cols();
   Eigen::VectorXd all_precision = Eigen::VectorXd::Zero(p);
   if (base.precision.size() > 0) all_precision.head(base_) = base.precision;
-  if (precision.size() > 0) all_precision.tail(added.cols()) = precision;
+  for (Eigen::Index k = 0; k < prior.sd.size(); ++k)
+    if (prior.sd[k] > 0) all_precision[base_ + k] = whitened_precision(prior.noise, prior.sd[k]);
   const Eigen::Index priors = (all_precision.array() > 0).count(), n = rows + priors;
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, p + 1);
   Eigen::MatrixXd measured(rows, p + 1);
   measured.leftCols(base_) = base.columns;
   if (added.cols() > 0) measured.middleCols(base_, added.cols()) = added;
   measured.col(p) = problem.learned(problem.outputs[output].measured);
-  const Whitener whitener(problem.timeline, noise);
+  const Whitener whitener(problem.timeline, noise, static_cast<Eigen::Index>(output));
   whitener.apply(measured);
   all.topRows(rows) = measured;
   for (Eigen::Index k = 0, at = rows; k < p; ++k)

@@ -5,17 +5,23 @@
 
 #include "server/diagnosis/noise/noise_model.h"
 #include "server/diagnosis/noise/soft_base.h"
+#include "server/diagnosis/noise/white_sd.h"
 #include "server/diagnosis/rows/problem.h"
 
 namespace driftwise::diagnosis {
 
+// Prior N(0, sd^2) of the added columns' amplitudes, against the white part of the noise.
+struct AddedPrior {
+  WhiteSd noise;
+  Eigen::VectorXd sd;  // one per added column; 0: free; empty: all free
+};
+
 class WeightedFit {
  public:
-  // base, added: blocks x k and blocks x c (c may be 0); of one output. precision: of the added
-  // columns' prior, as in SoftBase; empty: free. Columns that are
+  // base, added: blocks x k and blocks x c (c may be 0); of one output. Columns that are
   // combinations of those before them get coefficient 0 and error NaN.
   WeightedFit(const Problem& problem, const SoftBase& base, const Eigen::MatrixXd& added,
-              std::size_t output, NoiseShape noise = {}, const Eigen::VectorXd& precision = {});
+              std::size_t output, NoiseShape noise = {}, const AddedPrior& prior = {});
 
   // In the output's summary unit per unit of the column.
   double coefficient(Eigen::Index column) const { return coefficients_[column]; }

@@ -148,7 +148,7 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
     const auto at = static_cast<std::size_t>(o);
     const Eigen::VectorXd prior = bank_.prior.col(o).segment(first, width);
     if ((prior.array() <= 0).all()) continue;
-    const Whitener whitener(problem_.timeline, noise[at]);
+    const Whitener whitener(problem_.timeline, noise[at], o);
     Side side;
     side.base = independent.columns;
     whitener.apply(side.base);

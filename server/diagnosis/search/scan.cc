@@ -147,22 +147,24 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
   const auto outputs = series.size();
   const Eigen::Index count = series.front().cols();
   const std::size_t shapes = ground.shape_count();
-  const auto dof = static_cast<double>(ground.space(0).dof());
+  const auto dof = static_cast<double>(ground.space(0, 0).dof());
   std::vector<std::vector<SeriesSide>> sides(shapes, std::vector<SeriesSide>(outputs));
   std::vector<ByShape> without(outputs);
   for (std::size_t o = 0; o < outputs; ++o) {
-    const auto& best = ground.space(ground.best_shape(static_cast<Eigen::Index>(o)));
+    const auto output = static_cast<Eigen::Index>(o);
+    const auto& best = ground.space(ground.best_shape(output), output);
     // every series to length 1: floats then stay well within their range
     const Eigen::RowVectorXd inverse =
         best.left_over(series[o]).colwise().norm().cwiseMax(1e-300).cwiseInverse();
     const Eigen::MatrixXd scaled = series[o] * inverse.asDiagonal();
     for (std::size_t s = 0; s < shapes; ++s) {
       auto& side = sides[s][o];
-      side.left = ground.space(s).left_over(scaled).cast<float>();
+      const auto& space = ground.space(s, output);
+      side.left = space.left_over(scaled).cast<float>();
       side.rss = side.left.colwise().squaredNorm().transpose().array();
       side.criterion = static_cast<float>(dof) * side.rss.log() +
-                       static_cast<float>(ground.space(s).criterion(1) - best.criterion(1) +
-                                          price_of(ground.space(s).shape(), ground.outputs()));
+                       static_cast<float>(space.criterion(1) - best.criterion(1) +
+                                          price_of(space.shape(), ground.outputs()));
       without[o].emplace_back(side.criterion);
     }
   }
@@ -190,8 +192,10 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
               .any();
     const bool may_not_act = std::ranges::count(acts, 1) > 1;
     Eigen::MatrixXf along, turned;
-    for (std::size_t s = 0; s < shapes; ++s) {
-      Eigen::MatrixXd left = news_of(ground.space(s), raw.rowwise() - raw.colwise().mean());
+    // Whitened once for all outputs whose rows are spread alike.
+    const auto of_spread = [&](std::size_t s, Eigen::Index spread) {
+      Eigen::MatrixXd left =
+          news_of(ground.in_spread(s, spread), raw.rowwise() - raw.colwise().mean());
       const Eigen::RowVectorXd lengths = left.colwise().norm().cwiseMax(1e-300);
       left = left * lengths.cwiseInverse().asDiagonal();
       const Eigen::MatrixXf basis = left.cast<float>();
@@ -204,9 +208,9 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
       }
       for (std::size_t o = 0; o < outputs; ++o) {
         const auto prior = bank.prior.col(static_cast<Eigen::Index>(o)).segment(first.first, width);
-        if (acts[o] == 0) continue;
-        const Eigen::VectorXd widths =
-            prior.cwiseProduct(lengths.transpose()) / ground.white_sd(static_cast<Eigen::Index>(o));
+        if (acts[o] == 0 || ground.spread_of(static_cast<Eigen::Index>(o)) != spread) continue;
+        const Eigen::VectorXd widths = prior.cwiseProduct(lengths.transpose()) /
+                                       ground.white_sd(static_cast<Eigen::Index>(o)).value;
         const auto& side = sides[s][o];
         along.noalias() = side.left.transpose() * basis;  // series x columns
         for (Eigen::Index c = 0, j = 0; c < cells; ++c) {
@@ -232,7 +236,9 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
           j += k;
         }
       }
-    }
+    };
+    for (std::size_t s = 0; s < shapes; ++s)
+      for (Eigen::Index spread = 0; spread < ground.spreads(); ++spread) of_spread(s, spread);
     const Eigen::ArrayXXf total_with = shared_total(with);
     Eigen::ArrayXXf gains = total_without.replicate(1, cells) - total_with;
     if (any_alike) gains /= counted_times_of(without, with, alike);

@@ -23,7 +23,7 @@ std::vector<NoiseShape> unique(std::vector<NoiseShape> shapes) {
 std::size_t best_of(const Ground& ground, Eigen::Index output, double longest_tau_s) {
   std::size_t best = 0;
   for (std::size_t s = 1; s < ground.shape_count(); ++s)
-    if (ground.space(s).shape().tau_s <= longest_tau_s &&
+    if (ground.shape(s).tau_s <= longest_tau_s &&
         ground.worse_by(s, output) < ground.worse_by(best, output))
       best = s;
   return best;
@@ -51,7 +51,7 @@ std::vector<NoiseShape> Search::shapes_in_question(const SoftBase& base,
   for (Eigen::Index o = 0; o < whole.outputs(); ++o) {
     shapes.push_back(whole.noise(o));
     guesses.push_back(whole.noise(o));
-    guesses.push_back(whole.space(best_of(whole, o, kShortSteps * step_s)).shape());
+    guesses.push_back(whole.shape(best_of(whole, o, kShortSteps * step_s)));
   }
   if (bank_.entries.empty()) return unique(std::move(shapes));
   guesses.push_back(grid_.front());  // white

@@ -10,6 +10,8 @@ ANY_SUBJECT = {"geometry_order", "outliers", "noise_change", "force_compliance",
 WORSE = 1.02
 # Shares of the planted strength that the readings carry: upper bounds of the groups, and their names.
 SHARES = ((0.3, "below 0.3"), (0.7, "0.3 to 0.7"), (float("inf"), "at least 0.7"))
+# Least share with which a data set counts as identifiable in the readings as they are written to the file.
+IN_READINGS = 0.5
 # Promised exact rates of identifiable data sets, by kind and strength.
 PROMISED = {("single", 75): 0.95, ("single", 150): 0.98, ("pair", 200): 0.90}
 
@@ -169,6 +171,11 @@ def by_share(lines, markdown):
             text = rate_text(sum(group), len(group)) if group else "none"
             print(f"| {title} | {name} | {len(group)} | {text} |" if markdown else f"  {title:12s} {name:14s} {text}")
     print()
+    for kind, chi2 in kinds:
+        own = [l["outcome"]["exact"] for l in known if (l["key"]["kind"], l["key"]["chi2"]) == (kind, chi2)
+               and carried_share(l) >= IN_READINGS]
+        print(f"{'- ' * markdown}breakdown, not the promise: {kind} {chi2:g}, exact, of those identifiable in the "
+              f"readings as written (share at least {IN_READINGS:g}): {rate_text(sum(own), len(own))}")
     for kind, chi2 in kinds:
         own = [l["outcome"]["exact"] for l in known if (l["key"]["kind"], l["key"]["chi2"]) == (kind, chi2)
                and share_group(carried_share(l)) == SHARES[-1][1]]

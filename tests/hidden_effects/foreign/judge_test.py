@@ -87,6 +87,7 @@ class Judge(unittest.TestCase):
         text = printed.getvalue()
         self.assertIn("identifiable, exact: 2/5 = 40.0 %", text)
         self.assertIn("of those whose readings carry at least 0.7: 2/3 = 66.7 %", text)
+        self.assertIn("identifiable in the readings as written (share at least 0.5): 2/3 = 66.7 %", text)
         self.assertIn("below 0.3      0/2 = 0.0 %", text)
         self.assertIn("missed with at least 0.7: 1", text)
 

@@ -89,7 +89,7 @@ TEST(Evidence, IsTheIntegralOverTheAmplitude) {
   const Eigen::MatrixXd column = random_columns(1, 8);
   const Eigen::MatrixXd series = 3 * random_columns(1, 9) + 0.9 * column;
   const Ground ground(when, {{0, 1}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
-  const double width = 1.5, sd = ground.white_sd(0);
+  const double width = 1.5, sd = ground.white_sd(0).value;
   const Gain gain = ground.gain(column, Eigen::MatrixXd::Constant(1, 1, width));
 
   const Eigen::VectorXd y = series.array() - series.mean(), w = column.array() - column.mean();

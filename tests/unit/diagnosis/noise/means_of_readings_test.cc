@@ -99,7 +99,7 @@ TEST(TheNoiseBetweenTheGridsShapes, HasTheTimeThatTheRowsHave) {
   EXPECT_NEAR(std::log(shapes[0].tau_s / 60), 0, 0.15);
   EXPECT_NEAR(std::log(shapes[0].slow_ratio / 5), 0, 0.25);
   const Ground fine(timeline, shapes, base, series);
-  const Eigen::VectorXd left = fine.space(0).left_over(series).col(0);
+  const Eigen::VectorXd left = fine.space(0, 0).left_over(series).col(0);
   const double neighbours = left.head(kRows - 1).dot(left.tail(kRows - 1)) / left.squaredNorm();
   EXPECT_LT(std::abs(neighbours), 0.03);
 }

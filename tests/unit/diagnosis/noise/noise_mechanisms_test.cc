@@ -216,7 +216,7 @@ TEST(NoiseThatGrowsAlongABeam, IsWeighedRowByRow) {
   const Ground ground(problem->timeline, {{0, 1}}, problem->learned(problem->base_columns), series);
   const auto spread = spread_over_places(*problem, ground);
   ASSERT_TRUE(spread);
-  const Eigen::VectorXd& sd = spread->sd;
+  const Eigen::VectorXd sd = spread->sd.col(0);
   double near = 0, far = 0;
   for (std::size_t i = 0; i < data.rows; ++i) {
     const double u = data.columns[0].values[i] / 4;
@@ -347,7 +347,7 @@ TEST(NoiseThatGoesWithTheHour, IsReadOffTheSquaresOfWhatIsLeft) {
   double squares = 0;
   for (std::size_t i = 0; i < data.rows; ++i) {
     const double loud = 1 + 0.5 * std::sin(2 * std::numbers::pi * data.time_s[i] / 86400 + 0.7);
-    squares += std::pow(std::log(spread->sd[static_cast<Eigen::Index>(i)] / loud), 2);
+    squares += std::pow(std::log(spread->sd(static_cast<Eigen::Index>(i), 0) / loud), 2);
   }
   EXPECT_LT(std::sqrt(squares / static_cast<double>(data.rows)), 0.2);  // of 0.4 in the logarithm
   EXPECT_GT(spread->gain, 30);
