@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -27,6 +29,8 @@ constexpr double kSettled = 1e-9;        // of it: the last step of a zero that 
 constexpr double kSettledEnough = 1e-5;  // ... where the selection goes back and forth
 constexpr double kFollows = 1e-3;        // smallest pivot of the slopes by the largest
 constexpr double kClearly = 10;  // of n ln RSS: rows that fit so much better with the constant
+constexpr double kDoubtful = 1;  // of a datum's sum of squares: rounding is nothing to ask about
+constexpr int kRounds = 8;       // of asking; two fits in each, and those that settle what changed
 
 // One fit of the rows as they are moved now.
 struct Pass {
@@ -246,43 +250,69 @@ class ZeroSearch {
     return largest;
   }
 
-  // What the rows of one datum leave of a pass, every output in its own spread.
-  double left_in(const Pass& pass, const Dataset& data, const Eigen::VectorXd& variance,
-                 int ordinal) const {
-    double sum = 0;
+  // What the rows of each datum of known_ leave of a pass, every output in its own spread.
+  std::vector<double> left_by_datum(const Pass& pass, const Dataset& data,
+                                    const Eigen::VectorXd& variance) const {
+    std::map<int, double> left;
     for (std::size_t o = 0; o < pass.outputs.size(); ++o) {
       const auto predicted = predict(data, pass.outputs[o], options_.executor);
-      if (!predicted) return 0;
+      if (!predicted) return std::vector<double>(known_.size(), 0);
       const auto& q = measured_.find(pass.outputs[o].channel.symbol)->values;
       for (std::size_t i = 0; i < pass.rows.size(); ++i)
-        if (pass.datum[i] == ordinal)
-          sum += std::pow(q[pass.rows[i]] - (*predicted)[static_cast<Index>(pass.rows[i])], 2) /
-                 variance[static_cast<Index>(o)];
+        left[pass.datum[i]] +=
+            std::pow(q[pass.rows[i]] - (*predicted)[static_cast<Index>(pass.rows[i])], 2) /
+            variance[static_cast<Index>(o)];
     }
-    return sum;
+    std::vector<double> out;
+    for (const auto& one : known_) out.push_back(left[one.ordinal]);
+    return out;
   }
 
-  // A datum whose rows were better off unmoved is tried without.
+  // Datums whose rows were better off unmoved are tried without, the worst together and then the
+  // worst alone: one that does not belong where it was moved bends the fit for the others too. All
+  // are judged from one pass, so that many datums cost as many fits as few.
   void keep_what_the_rows_bear_out(const Pass& first, Pass last) {
-    const Eigen::VectorXd variance =
-        (last.rss.array().max(1e-300) / static_cast<double>(last.rows.size())).matrix();
-    std::vector<Known*> doubtful;
-    for (auto& one : known_)
-      if (one.moves() && left_in(last, moved_, variance, one.ordinal) >
-                             left_in(first, measured_, variance, one.ordinal))
-        doubtful.push_back(&one);
-    for (Known* one : doubtful) {
+    std::set<int> tried;
+    for (int round = 0; round < kRounds; ++round) {
+      const Eigen::VectorXd variance =
+          (last.rss.array().max(1e-300) / static_cast<double>(last.rows.size())).matrix();
+      const auto moved = left_by_datum(last, moved_, variance),
+                 unmoved = left_by_datum(first, measured_, variance);
+      std::vector<std::pair<double, Known*>> doubtful;
+      for (std::size_t i = 0; i < known_.size(); ++i)
+        if (known_[i].moves() && moved[i] - unmoved[i] > kDoubtful &&
+            !tried.contains(known_[i].ordinal))
+          doubtful.emplace_back(moved[i] - unmoved[i], &known_[i]);
+      if (doubtful.empty()) return;
+      std::ranges::stable_sort(doubtful, std::greater{}, &std::pair<double, Known*>::first);
+      std::vector<Known*> worst;
+      for (const auto& [loss, one] : doubtful)
+        if (loss >= doubtful.front().first / 2) worst.push_back(one);
+      if (fits_better_without(worst, last)) continue;
+      if (worst.size() > 1 && fits_better_without({worst.front()}, last)) continue;
+      tried.insert(worst.front()->ordinal);
+    }
+  }
+
+  // Leaves these datums unmoved where the rows clearly fit better so; last: the pass then.
+  bool fits_better_without(const std::vector<Known*>& datums, Pass& last) {
+    for (Known* one : datums) {
       one->why_not =
           "its rows fit better where they were measured: its scales were homed elsewhere";
       place(*one);
-      const auto without = fit_once(moved_, options_);
-      if (without && misfit(*without) < misfit(last) - kClearly) {
-        if (auto again = settle(*without)) last = std::move(*again);
-        continue;
-      }
+    }
+    auto without = fit_once(moved_, options_);
+    if (without &&
+        misfit(*without) < misfit(last) - kClearly * static_cast<double>(datums.size())) {
+      auto again = settle(*without);
+      last = again ? std::move(*again) : std::move(*without);
+      return true;
+    }
+    for (Known* one : datums) {
       one->why_not.clear();
       place(*one);
     }
+    return false;
   }
 
   std::vector<DatumZero> zeros() const {

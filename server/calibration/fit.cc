@@ -126,8 +126,8 @@ std::vector<SetAccuracy> by_validation_set(const Eigen::VectorXd& errors,
 
 // Validation rows, and blocks of time held out; the rows' errors where there are not too many.
 void add_held_out(const Design& design, const Dataset& dataset, const Eigen::VectorXd& errors,
-                  const std::vector<std::size_t>& validation,
-                  const std::optional<BlockOutcome>& blocks, OutputModel& output) {
+                  const std::vector<std::size_t>& validation, const BlockResult& blocks,
+                  OutputModel& output) {
   Accuracy& accuracy = output.accuracy;
   const Eigen::VectorXd on_validation = values_at(errors, validation);
   if (std::ssize(validation) >= kLeastJudges) {
@@ -161,9 +161,12 @@ void add_held_out(const Design& design, const Dataset& dataset, const Eigen::Vec
 NoiseSpectrum add_serial_errors(const Design& design, const Eigen::VectorXd& residuals,
                                 const Selection& selection, const Solution& solution,
                                 OutputModel& output) {
+  if (solution.dof > 0)
+    output.covariance_root = std::sqrt(solution.rss / solution.dof) * solution.root;
   if (selection.exact) return {};  // rounding errors are no series
   SerialErrors errors = serial_errors(design, solution, residuals);
   output.covariance_serial = std::move(errors.covariance);
+  if (errors.root.size() > 0) output.covariance_root = std::move(errors.root);
   output.accuracy.slow_share = errors.noise.share;
   output.accuracy.slow_rows = errors.noise.rows;
   Index in = 0;
@@ -289,7 +292,7 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
   model.lineage.measured_by = measured_by_from(dataset.metadata);
 
   const auto held_out =
-      cuts.empty() ? std::vector<std::optional<BlockOutcome>>(design.outputs.size())
+      cuts.empty() ? std::vector<BlockResult>(design.outputs.size(), tl::unexpected(std::string()))
       : shared
           ? held_out_by_blocks(design, whole, rule, options.executor)
           : held_out_by_blocks(design, RowReduction(design, cuts, whole.solver(), options.executor),
@@ -319,6 +322,9 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options,
     judged = std::min(judged, static_cast<std::int64_t>(validation.size()));
     output.accuracy.validation_sets = by_validation_set(errors, validation, options.set_names);
     add_held_out(design, dataset, errors, validation, held_out[o], output);
+    if (!held_out[o] && !held_out[o].error().empty())
+      warnings.push_back(output.channel.symbol +
+                         ": no figure of held-out blocks of time: " + held_out[o].error());
     for (auto& sentence : output_warnings(triangle, selection, output))
       warnings.push_back(std::move(sentence));
     model.outputs.push_back(std::move(output));

@@ -1,5 +1,6 @@
 #include "server/calibration/placed_terms.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -41,6 +42,12 @@ void settle(const effects::Term& term, double value, OutputModel& output) {
   output.covariance = Eigen::MatrixXd(rows * output.covariance * rows.transpose());
   if (output.covariance_serial.size() > 0)
     output.covariance_serial = Eigen::MatrixXd(rows * output.covariance_serial * rows.transpose());
+  if (output.covariance_root.size() > 0) {
+    const Eigen::MatrixXd root = rows * output.covariance_root;  // one row fewer: made square again
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root.transpose());
+    output.covariance_root = Eigen::MatrixXd(qr.matrixQR().topRows(root.rows()).transpose())
+                                 .triangularView<Eigen::Lower>();
+  }
   for (auto& influence : output.influences)
     influence.shift = Eigen::VectorXd(rows * influence.shift);
   output.terms.erase(output.terms.begin() + at);

@@ -26,6 +26,16 @@ std::vector<std::string> thermometers(const Dataset& dataset, const FitOptions& 
   return sensors;
 }
 
+// What a set cannot be ranked without.
+Error no_figure(const Model& model, const std::string& output) {
+  std::string reason = "there are fewer than three rows to a block";
+  for (const auto& warning : model.warnings)
+    if (warning.starts_with(output + ": no figure of held-out")) reason = warning;
+  return {ErrorCode::failed_precondition, reasons::kNoBlocks,
+          "sets of thermometers are ranked by blocks of time held out, and " + output +
+              " has no such figure: " + reason + ". Measure more, or ask for fewer blocks"};
+}
+
 std::optional<SensorSet> tried(const Dataset& dataset, FitOptions options,
                                const std::vector<std::string>& all, std::uint32_t chosen,
                                Error* why) {
@@ -41,7 +51,10 @@ std::optional<SensorSet> tried(const Dataset& dataset, FitOptions options,
   double u90 = 0, a90 = 0, u90_validation = 0, a90_validation = 0;
   for (const auto& output : model->outputs) {
     const auto& accuracy = output.accuracy;
-    if (!accuracy.a90_blocks) return std::nullopt;
+    if (!accuracy.a90_blocks) {
+      if (why != nullptr) *why = no_figure(*model, output.channel.symbol);
+      return std::nullopt;
+    }
     set.outputs.push_back({output.channel.symbol, *accuracy.u90_blocks, *accuracy.mean_blocks,
                            *accuracy.a90_blocks, accuracy.u90_validation, accuracy.mean_validation,
                            accuracy.a90_validation});

@@ -100,6 +100,7 @@ void change_scatter(calibration::Model& model, const CellDescription& before,
     output.accuracy.rmse *= std::sqrt(ratio);
     output.covariance *= ratio;
     output.covariance_serial *= ratio;
+    output.covariance_root *= std::sqrt(ratio);
     output.noise_variance *= ratio;
   }
 }

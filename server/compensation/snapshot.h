@@ -120,7 +120,11 @@ struct Snapshot {
     std::vector<double>
         thermal_mm{};  // of them, what the slow inputs put in: since the datum's zero,
                        // or from the middle of their ranges; empty: nothing slow
-    std::vector<double> variance_nm2;  // sum of the lines, packed; off-diagonal entries doubled
+    // Of the lines together the variance is the sum over i of the squares of sum over j >= i of
+    // root_nm(i, j) * basis[j], the rows one after another, and of the packed form (off-diagonal
+    // entries doubled) of a model whose covariance has no root. Empty: none.
+    std::vector<double> root_nm{};
+    std::vector<double> variance_nm2;
     std::vector<UncertaintyLine> lines;
     // The axis' soft limits in force when the snapshot was built; infinite: see unlimited.
     double min_mm = -std::numeric_limits<double>::infinity();

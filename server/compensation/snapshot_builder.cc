@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/calibration/model/model_units.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
@@ -64,7 +65,7 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
     for (const auto& device : cell.devices)
       for (const auto& probe : device.probes()) {
         if (probe.channel.symbol != channel.symbol) continue;
-        const auto to_unit = unit_conversion(probe.channel.unit, channel.unit);
+        const auto to_unit = calibration::to_model_unit(probe.channel, channel);
         if (!to_unit) continue;
         made.slow_.set_read_as(made.slow_inputs_.size() - 1, {probe.channel.name(), *to_unit});
         made.slow_inputs_.back().u = probe.u_k;  // degC and K: the same difference
@@ -210,6 +211,8 @@ Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
     kept.push_back(static_cast<Eigen::Index>(k));
   }
   output.covariance = uncertainty_of(from)(kept, kept);
+  if (from.covariance_root.size() > 0) output.root = from.covariance_root(kept, Eigen::all);
+  output.root_beside_zero = output.root;
   outputs_.push_back(std::move(output));
   return {};
 }
@@ -266,13 +269,12 @@ Result<void> SnapshotBuilder::add_fast_input(const Channel& channel,
   const Variable variable = *variable_from(channel.symbol);
   if (std::ranges::find(fast_inputs_, variable, &FastInput::variable) != fast_inputs_.end())
     return {};
-  const auto asked = summary_unit(channel.unit), column = summary_unit(range.channel.unit);
-  if (asked.unit != column.unit)
+  const auto to_column = calibration::to_model_unit(channel, range.channel);
+  if (!to_column || to_column->offset != 0)
     return not_servable(reasons::kTermNotServable, "the model has " + range.channel.name() +
                                                        ", expected the unit of " + channel.name() +
                                                        " or one of its kind");
-  const double column_per_unit =
-      range.channel.unit == channel.unit ? 1.0 : asked.factor / column.factor;
+  const double column_per_unit = to_column->factor / to_column->divisor;
   column_per_unit_[static_cast<std::size_t>(variable)] = column_per_unit;
   const auto wide = widened(range);
   fast_inputs_.push_back({variable, wide.min / column_per_unit, wide.max / column_per_unit});

@@ -107,6 +107,9 @@ class SnapshotBuilder {
     double mm_per_unit = 1;  // of the model's column
     std::vector<Term> terms;
     Eigen::MatrixXd covariance;  // of the terms, column units
+    Eigen::MatrixXd root;        // of it, a row per term; empty: a model of before has none
+    // The same less what the zero's readings share with the rows (Systematic::in_rows).
+    Eigen::MatrixXd root_beside_zero;
     std::vector<Systematic> systematics;
     std::vector<Eigen::VectorXd> absorbed;  // per slow channel: shift of the terms per unit of its
                                             // error, empty: not known
@@ -166,6 +169,8 @@ class SnapshotBuilder {
   // Excess of each input at the zero (excess_of()), in the order of Snapshot::inputs.
   std::vector<double> excess_at_zero(double force, const std::vector<double>& channels) const;
   Snapshot::Output fold(std::size_t output, const Conditions& conditions) const;
+  std::vector<double> form_of(std::size_t output, const std::vector<long double>& slow,
+                              const std::vector<long double>& at_zero) const;
 
   calibration::Model model_;
   ModelId id_;

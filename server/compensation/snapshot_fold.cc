@@ -5,9 +5,12 @@
 // q = c'a (+ q at the zero), var q = a' C a; an error that shifts the coefficients by d adds (g'
 // b)^2 with g the same fold of d, and one of the slow channel T_j u_j^2 (g_j' b)^2 with g_j that of
 // the terms' derivatives. Sums in long double: the covariance of a model in raw temperatures is the
-// difference of large numbers.
+// difference of large numbers. C = W W' from a root W is folded column by column, as the shifts
+// are.
 
+#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 
 #include "server/compensation/snapshot_builder.h"
 
@@ -42,7 +45,61 @@ class Form {
   std::vector<Wide> sum_;
 };
 
+// The roots of all lines in one triangle, row by row from its diagonal: as many numbers as a form
+// has and the digits of a root. What has no root is summed as a form.
+void sum_lines(std::size_t size, Snapshot::Output& out) {
+  const auto n = static_cast<Eigen::Index>(size);
+  Eigen::Index rows = 0;
+  for (const auto& line : out.lines)
+    rows += static_cast<Eigen::Index>(line.roots_nm.size() / size) +
+            (line.variance_nm2.size() == 1 ? 1 : 0);
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(std::max(rows, n), n);
+  Eigen::Index at = 0;
+  for (const auto& line : out.lines) {
+    for (std::size_t from = 0; from + size <= line.roots_nm.size(); from += size)
+      all.row(at++) = Eigen::Map<const Eigen::RowVectorXd>(line.roots_nm.data() + from, n);
+    if (line.variance_nm2.size() == 1) {
+      all(at++, 0) = std::sqrt(line.variance_nm2[0]);
+    } else if (!line.variance_nm2.empty()) {
+      out.variance_nm2.resize(packed_size(size));
+      for (std::size_t i = 0; i < line.variance_nm2.size(); ++i)
+        out.variance_nm2[i] += line.variance_nm2[i];
+    }
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> triangle(all);
+  for (Eigen::Index row = 0; row < n; ++row)
+    for (Eigen::Index column = row; column < n; ++column)
+      out.root_nm.push_back(triangle.matrixQR()(row, column));
+}
+
 }  // namespace
+
+// b' V b of a model of before, which has its covariance and no root, packed as compute_target walks
+// over it. Its digits are lost with the square of what the coefficients lose.
+std::vector<double> SnapshotBuilder::form_of(std::size_t index, const std::vector<Wide>& slow,
+                                             const std::vector<Wide>& at_zero) const {
+  const Output& model = outputs_[index];
+  const std::size_t terms = model.terms.size();
+  const Wide nm_per_unit = static_cast<Wide>(model.mm_per_unit) * static_cast<Wide>(kNmPerMm);
+  std::vector<const Systematic*> at_own_zero;
+  if (datum_.empty())
+    for (const auto& error : model.systematics)
+      if (error.in_rows.size() > 0) at_own_zero.push_back(&error);
+  Form fit(basis_.size());
+  for (std::size_t k = 0; k < terms; ++k)
+    for (std::size_t l = 0; l < terms; ++l) {
+      const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(l);
+      Wide c = model.covariance(row, column);
+      for (const auto* error : at_own_zero)
+        c -= static_cast<Wide>(error->in_rows[row]) * error->in_rows[column];
+      const std::size_t m = model.terms[k].basis, n = model.terms[l].basis;
+      fit.add(m, n, c * slow[k] * slow[l]);
+      fit.add(m, 0, -c * slow[k] * at_zero[l]);
+      fit.add(0, n, -c * at_zero[k] * slow[l]);
+      fit.add(0, 0, c * at_zero[k] * at_zero[l]);
+    }
+  return fit.packed_nm2(nm_per_unit * nm_per_unit);
+}
 
 Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now) const {
   const Output& model = outputs_[index];
@@ -71,27 +128,6 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
   for (const Wide value : thermal)
     out.thermal_mm.push_back(static_cast<double>(value * model.mm_per_unit));
 
-  // In the model's own datum the zero's reading is a draw of the noise that the rows have: what
-  // they share counts once, with the reading.
-  std::vector<const Systematic*> at_own_zero;
-  if (!datum)
-    for (const auto& error : model.systematics)
-      if (error.in_rows.size() > 0) at_own_zero.push_back(&error);
-  Form fit(size);
-  for (std::size_t k = 0; k < terms; ++k)
-    for (std::size_t l = 0; l < terms; ++l) {
-      const auto row = static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(l);
-      Wide c = model.covariance(row, column);
-      for (const auto* error : at_own_zero)
-        c -= static_cast<Wide>(error->in_rows[row]) * error->in_rows[column];
-      const std::size_t m = model.terms[k].basis, n = model.terms[l].basis;
-      fit.add(m, n, c * slow[k] * slow[l]);
-      fit.add(m, 0, -c * slow[k] * at_zero[l]);
-      fit.add(0, n, -c * at_zero[k] * slow[l]);
-      fit.add(0, 0, c * at_zero[k] * at_zero[l]);
-    }
-  out.lines.push_back({UncertaintySource::fit, fit.packed_nm2(nm_per_unit * nm_per_unit)});
-
   // A declared error that moved the fit: its shift, folded like the coefficients.
   const auto folded = [&](const auto& shift, bool less_zero) {
     std::vector<Wide> root(size, 0);
@@ -115,6 +151,19 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
       line.roots_nm.push_back(static_cast<double>(value * u * nm_per_unit));
     line.errors.push_back(static_cast<std::uint32_t>(number));
   };
+
+  // The fit's own: the root of its covariance, which needs the digits that the coefficients need.
+  // In the model's own datum the zero's reading is a draw of the noise that the rows have: what
+  // they share counts once, with the reading.
+  const Eigen::MatrixXd& of_fit = datum ? model.root : model.root_beside_zero;
+  if (of_fit.size() > 0) {
+    auto& line = line_of(UncertaintySource::fit);
+    for (Eigen::Index column = 0; column < of_fit.cols(); ++column)
+      for (const Wide value : folded(of_fit.col(column), datum != nullptr))
+        line.roots_nm.push_back(static_cast<double>(value * nm_per_unit));
+  } else {
+    out.lines.push_back({UncertaintySource::fit, form_of(index, slow, at_zero)});
+  }
 
   // The robot's own at the zero of a carried datum is not that at the pose.
   const double zeros = datum ? 2.0 : 1.0;
@@ -168,16 +217,7 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
   // A carried datum adds the reading of its own zero.
   out.lines.push_back({UncertaintySource::scale, {model.u_scale_nm * model.u_scale_nm * zeros}});
 
-  out.variance_nm2.assign(packed_size(size), 0.0);
-  for (const auto& line : out.lines) {
-    for (std::size_t i = 0; i < line.variance_nm2.size(); ++i)
-      out.variance_nm2[i] += line.variance_nm2[i];
-    for (std::size_t row = 0; row + size <= line.roots_nm.size(); row += size)
-      for (std::size_t i = 0, at = 0; i < size; ++i)
-        for (std::size_t j = 0; j <= i; ++j, ++at)
-          out.variance_nm2[at] +=
-              (i == j ? 1.0 : 2.0) * line.roots_nm[row + i] * line.roots_nm[row + j];
-  }
+  sum_lines(size, out);
   return out;
 }
 

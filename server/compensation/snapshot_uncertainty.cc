@@ -1,6 +1,8 @@
 // What the cell declares, put into the model's own coefficients: each declared error of a channel
 // moved the fit, and its influence says by how much.
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -56,6 +58,28 @@ const calibration::Influence* influence_of(const calibration::OutputModel& outpu
   const auto found = std::ranges::find_if(
       output.influences, [&](const auto& one) { return one.channel == channel && one.by == by; });
   return found == output.influences.end() ? nullptr : &*found;
+}
+
+// R with R R' = W W' - sum over the errors of v v': W (1 - O O')^1/2 where W O = the errors. Every
+// v is a covariance with an error of size 1, so that nothing negative is left but by rounding.
+Eigen::MatrixXd root_without(const Eigen::MatrixXd& root,
+                             const std::vector<const Eigen::VectorXd*>& errors) {
+  using WideMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  // Terms of all sizes, each with its own digits.
+  Eigen::VectorXd size = root.rowwise().norm();
+  for (double& one : size)
+    if (!(one > 0)) one = 1;
+  const WideMatrix scaled = (size.cwiseInverse().asDiagonal() * root).cast<long double>();
+  WideMatrix of_errors(root.rows(), static_cast<Eigen::Index>(errors.size()));
+  for (std::size_t e = 0; e < errors.size(); ++e)
+    of_errors.col(static_cast<Eigen::Index>(e)) =
+        errors[e]->cwiseQuotient(size).cast<long double>();
+  const Eigen::MatrixXd part =
+      scaled.completeOrthogonalDecomposition().solve(of_errors).cast<double>();
+  const Eigen::MatrixXd left =
+      Eigen::MatrixXd::Identity(root.cols(), root.cols()) - part * part.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(left);
+  return root * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
@@ -202,7 +226,13 @@ void SnapshotBuilder::share_noise(const calibration::OutputModel& from, double n
   }
   const double own = std::min(1.0, std::pow(output.unfollowed_nm, 2) / residual_nm2);
   const double instruments_nm2 = std::min(noise_nm2, all_nm2 * (1 - own));
-  for (auto& error : output.systematics) error.in_rows *= instruments_nm2 / noise_nm2;
+  std::vector<const Eigen::VectorXd*> in_rows;
+  for (auto& error : output.systematics) {
+    error.in_rows *= instruments_nm2 / noise_nm2;
+    if (error.in_rows.size() > 0) in_rows.push_back(&error.in_rows);
+  }
+  if (!in_rows.empty() && output.root.size() > 0)
+    output.root_beside_zero = root_without(output.root, in_rows);
 }
 
 }  // namespace driftwise::compensation

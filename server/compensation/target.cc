@@ -12,6 +12,7 @@
 #include "server/compensation/basis_values.h"
 #include "server/compensation/dot.h"
 #include "server/compensation/geometry_law.h"
+#include "server/compensation/target_variance.h"
 #include "server/core/reasons.h"
 
 namespace driftwise::compensation {
@@ -28,13 +29,6 @@ double excess(const Snapshot::Input& input, double value) {
 // largest excess over all inputs in half widths: 1 at the edge, 4 at twice the range.
 double extrapolation_factor(double largest_excess) {
   return (1.0 + largest_excess) * (1.0 + largest_excess);
-}
-
-// b' V b from the packed lower triangle with doubled off-diagonal entries, or a constant. squares:
-// PoseTerms::squares.
-double variance(const std::vector<double>& packed, const double* squares) {
-  if (packed.size() == 1) return packed[0];
-  return dot(packed.data(), squares, packed.size());
 }
 
 // Few roots are cheaper one by one than the form they make.
@@ -260,7 +254,6 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
   const bool with_uncertainty = request.with_uncertainty && !snapshot.unjudged;
   const Basis& basis = terms.basis(snapshot, request.value);
   const double* const b = basis.b.data();
-  const double* const squares = with_uncertainty ? terms.squares(snapshot) : nullptr;
   const std::size_t size = snapshot.basis_size();
   const double factor = extrapolation_factor(largest_excess);
   for (std::size_t i = 0; i < target.outputs; ++i) {
@@ -268,7 +261,13 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
     double q_mm = dot(output.coefficients_mm.data(), b, size), u_nm = kNan;
     if (snapshot.geometry) q_mm += law.motors[static_cast<Eigen::Index>(i)];
     if (with_uncertainty) {
-      double nm2 = variance(output.variance_nm2, squares);
+      const Variance of_terms = whole_variance(snapshot, output, basis, terms);
+      if (!of_terms.known) {
+        target.why =
+            std::make_shared<const Error>(lost_digits(snapshot, output, of_terms.form_nm2));
+        return refuse(target, Refusal::no_pose);
+      }
+      double nm2 = of_terms.nm2;
       if (snapshot.geometry)
         for (const auto& line : output.lines) nm2 += systematic_nm2(snapshot, law, i, line, basis);
       u_nm = std::sqrt(std::max(0.0, nm2) + share_nm2(law.fit, i) + share_nm2(law.residual, i) +
@@ -319,6 +318,10 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
   const LawAnswer& law = about->law;
   PoseTerms terms;
   const Basis& basis = terms.basis(snapshot, request.value);
+  if (!whole_variance(snapshot, snapshot.outputs[output], basis, terms).known) {
+    budget.u_nm = kNan;
+    return budget;
+  }
   const double* const squares = terms.squares(snapshot);
   const auto of_law = [&](UncertaintySource source) {
     return source == UncertaintySource::fit            ? share_nm2(law.fit, output)
@@ -354,8 +357,10 @@ ErrorParts error_parts(const Snapshot& snapshot, const TargetRequest& request) {
   std::map<std::pair<UncertaintySource, std::uint32_t>, std::vector<double>> shared;
   for (std::size_t i = 0; i < outputs; ++i) {
     double own_nm2 = 0;
-    if (snapshot.outputs[i].lines.empty())
-      own_nm2 = variance(snapshot.outputs[i].variance_nm2, squares);
+    if (const auto all = whole_variance(snapshot, snapshot.outputs[i], basis, terms); !all.known)
+      own_nm2 = kNan;
+    else if (snapshot.outputs[i].lines.empty())
+      own_nm2 = all.nm2;
     for (const auto& line : snapshot.outputs[i].lines) {
       if (!line.variance_nm2.empty())
         own_nm2 += std::max(0.0, variance(line.variance_nm2, squares));

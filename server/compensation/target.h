@@ -79,7 +79,7 @@ enum class Refusal : std::uint8_t {
   configuration_changed,  // the cell file has changed in a part that the model uses: a person has
                           // to accept it first
   no_pose,                // the geometry has no answer: out of reach, singular, where it stands is
-                          // not known; see why
+                          // not known; or a variance that has lost its digits; see why
 };
 
 struct Target {

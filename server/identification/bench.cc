@@ -4,6 +4,7 @@
 #include <set>
 
 #include "server/calibration/design/design.h"
+#include "server/calibration/report/held_out_figure.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -52,20 +53,12 @@ Eigen::VectorXd picked(const Eigen::MatrixXd& values, const std::vector<std::siz
 
 namespace {
 
-void centre_new_datums(Eigen::VectorXd& errors, const std::vector<std::size_t>& rows,
-                       const std::vector<std::size_t>& train, const std::vector<double>& datums) {
-  std::set<double> known;
-  for (const std::size_t row : train) known.insert(datums[row]);
-  std::map<double, std::pair<double, int>> unknown;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (known.contains(datums[rows[i]])) continue;
-    auto& [sum, count] = unknown[datums[rows[i]]];
-    sum += errors[static_cast<Index>(i)];
-    ++count;
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (const auto at = unknown.find(datums[rows[i]]); at != unknown.end())
-      errors[static_cast<Index>(i)] -= at->second.first / at->second.second;
+// Of each of the rows.
+std::vector<int> datums_of(const std::vector<double>& ordinals,
+                           const std::vector<std::size_t>& rows) {
+  std::vector<int> datums;
+  for (const std::size_t row : rows) datums.push_back(static_cast<int>(ordinals[row]));
+  return datums;
 }
 
 }  // namespace
@@ -82,11 +75,20 @@ Result<std::vector<Eigen::VectorXd>> Bench::errors_of(const Fold& fold) const {
   quick.fit.executor = {};  // the folds are what is shared out
   DRIFTWISE_TRY(const auto fitted, fit_method(part, method, quick));
   DRIFTWISE_TRY(const auto predicted, predict(dataset, fitted));
-  const auto datums = calibration::datum_ordinals(dataset);
+  const auto ordinals = calibration::datum_ordinals(dataset);
+  const auto known = datums_of(ordinals, fold.train), datums = datums_of(ordinals, fold.test);
+  const std::set<int> trained(known.begin(), known.end());
+  std::map<int, int> rows_of;
+  for (const int datum : datums) ++rows_of[datum];
+  std::vector<Index> judged;  // a datum of one row, untrained, says nothing of that row
+  for (std::size_t i = 0; i < datums.size(); ++i)
+    if (trained.contains(datums[i]) || rows_of[datums[i]] > 1)
+      judged.push_back(static_cast<Index>(i));
   std::vector<Eigen::VectorXd> errors;
   for (Index o = 0; o < measured.cols(); ++o) {
-    errors.push_back(picked(measured - predicted, fold.test, o));
-    centre_new_datums(errors.back(), fold.test, fold.train, datums);
+    Eigen::VectorXd all = picked(measured - predicted, fold.test, o);
+    calibration::judge_untrained(datums, trained, all);
+    errors.emplace_back(all(judged));
   }
   return errors;
 }

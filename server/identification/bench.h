@@ -37,8 +37,8 @@ struct Bench {
   Eigen::MatrixXd measured;  // measured_outputs()
 
   // Fits on fold.train alone, whatever set its rows are of, and predicts fold.test. Rows of a datum
-  // that is not in the training lose their mean: its zero was not to be known. Errors: those of
-  // fit_method.
+  // that is not in the training count as calibration::judge_untrained() has them, one row of such a
+  // datum not at all. Errors: those of fit_method.
   Result<std::vector<Eigen::VectorXd>> errors_of(const Fold& fold) const;
   // Of all folds, shared out by the options' executor. Empty where a fold cannot be fitted; the
   // reason is left in warnings.

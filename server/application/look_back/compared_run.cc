@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/application/motion/datum_opening.h"
+#include "server/core/data/row_marks.h"
 
 namespace driftwise::application {
 namespace {
@@ -106,6 +107,7 @@ void add_measured(const Dataset& data, std::span<const DatumRecord> datums, Comp
     series.unit = pose ? summary.unit : "K";
     double first = kMissing;
     for (std::size_t row = 0; row < data.rows; ++row) {
+      if (is_passage(data, row)) continue;
       if (pose && (data.zero.empty() || data.zero[row] == 0)) continue;
       const double value = column.values[row] * summary.factor - (length ? way.at(row) : 0);
       if (is_missing(value)) continue;

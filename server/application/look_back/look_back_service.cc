@@ -144,6 +144,7 @@ Awaitable<Result<TimeNoteRecord>> LookBackService::add_note(Caller caller, TimeN
   if (note.text.find_first_not_of(" \t\n") == std::string::npos)
     co_return fail(ErrorCode::invalid_argument, reasons::kBadSubject,
                    "text: found nothing, expected what there is to say");
+  note.channel = with_unit(std::move(note.channel));
   if (!note.channel.empty() && device_of(note.channel).empty())
     co_return fail(
         ErrorCode::invalid_argument, reasons::kBadSubject,

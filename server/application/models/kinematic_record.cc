@@ -8,6 +8,7 @@
 
 #include "server/application/models/fit_options.h"
 #include "server/calibration/linear/tail.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
@@ -193,7 +194,7 @@ Result<calibration::Model> model_of(const Dataset& data, const identification::J
       static_cast<std::int64_t>(data.rows) - judged.rows_calibration - judged.rows_validation;
   for (std::size_t row = 0; row < data.rows; ++row)
     if (data.is_excluded(row)) {
-      ++model.lineage.rows_excluded;
+      if (!is_passage(data, row)) ++model.lineage.rows_excluded;
       --model.lineage.rows_dropped;
     }
   model.warnings = judged.warnings;

@@ -11,6 +11,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/calibration/model/model_units.h"
 #include "server/core/data/measured_by.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -39,8 +40,9 @@ bool fitted_to(const calibration::Lineage& lineage, const Dataset& data,
 using Columns = std::vector<std::vector<double>>;  // by output, one value per row, summary unit
 
 // Of rows of the model's own datums, counted as the fit counted them.
-Result<Columns> left_by(const calibration::Model& model, const Dataset& data) {
+Result<Columns> left_by(const calibration::Model& model, const Dataset& as_given) {
   Columns columns;
+  DRIFTWISE_TRY(const Dataset data, calibration::in_model_units(model, as_given));
   const Dataset moved = calibration::in_first_datum(data, model.datum_zeros);
   for (const auto& output : model.outputs) {
     DRIFTWISE_TRY(const auto predicted, calibration::predict(moved, output));
@@ -72,7 +74,9 @@ Result<Carried> carried_to(const calibration::Model& model, diagnosis::RunToChec
   }
   const calibration::Model& bare = is_part ? *part : model;
   const auto plain = diagnosis::with_effects_as_channels(bare);
-  run = diagnosis::in_model_datum(plain, diagnosis::with_effects_as_channels(bare, std::move(run)));
+  auto read = diagnosis::as_the_model_reads(bare, std::move(run));
+  if (!read) return tl::unexpected(is_part ? names.with_id(std::move(read.error())) : read.error());
+  run = std::move(*read);
   Carried carried;
   for (const auto& output : plain.outputs) {
     auto errors = diagnosis::run_errors(output, model.lineage.rows_calibration, run);

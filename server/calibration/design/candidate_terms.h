@@ -14,7 +14,7 @@ struct OfferedTerms {
   std::vector<char> always;
 };
 
-// datums: ordinals that occur in the calibration rows, ascending; the first has the model's own
+// datums: ordinals that occur in the rows that are fitted, ascending; the first has the model's own
 // constant. Without a constant there are no datum constants either: "- 1" means through the zero of
 // every datum.
 OfferedTerms offered_terms(const FitOptions& options, const std::vector<int>& datums);

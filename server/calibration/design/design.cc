@@ -7,6 +7,7 @@
 
 #include "server/calibration/design/candidate_terms.h"
 #include "server/core/data/overruns.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/direct_symbols.h"
@@ -25,6 +26,7 @@ struct Variables {
   std::vector<char> indicator;
   std::deque<std::vector<double>>
       storage;  // of effects and datum constants: what those values point into
+  std::vector<std::string> stored_effects;  // by notation, in the order of storage
 };
 
 std::string row_text(const Dataset& dataset, std::size_t row) {
@@ -81,8 +83,11 @@ struct Columns {
   std::vector<Monomial> monomials;  // one per term
 };
 
+// Effects by notation, worked out already: taken where they are needed.
+using EffectColumns = std::map<std::string, std::vector<double>>;
+
 Result<Columns> collect_columns(const Dataset& dataset, const std::vector<Term>& terms,
-                                const std::vector<double>& ordinals) {
+                                const std::vector<double>& ordinals, EffectColumns& worked_out) {
   Columns columns;
   auto& variables = columns.variables;
   std::map<std::string, int> index_of;
@@ -106,8 +111,12 @@ Result<Columns> collect_columns(const Dataset& dataset, const std::vector<Term>&
           variables.storage.push_back(datum_column(ordinals, *ordinal));
           variables.values.emplace_back(variables.storage.back());
         } else if (const auto* call = std::get_if<effects::Call>(&single)) {
-          DRIFTWISE_TRY(auto column, effect_column(dataset, *call, name));
-          variables.storage.push_back(std::move(column));
+          if (!worked_out.contains(name)) {
+            DRIFTWISE_TRY(auto column, effect_column(dataset, *call, name));
+            worked_out.emplace(name, std::move(column));
+          }
+          variables.storage.push_back(std::move(worked_out.extract(name).mapped()));
+          variables.stored_effects.push_back(name);
           variables.values.emplace_back(variables.storage.back());
         } else {
           DRIFTWISE_TRY(auto values,
@@ -264,14 +273,6 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
     needed.emplace_back(options.weight_symbol, weights);
   }
 
-  std::vector<int> datums;
-  for (std::size_t row = 0; row < dataset.rows; ++row) {
-    const int datum = static_cast<int>(ordinals[row]);
-    if ((datums.empty() || datums.back() != datum) && calibrates(row)) datums.push_back(datum);
-  }
-  std::ranges::sort(datums);
-  datums.erase(std::unique(datums.begin(), datums.end()), datums.end());
-
   for (const auto& symbol : options.exclude_channels)
     DRIFTWISE_RETURN_IF_ERROR(channel_values(dataset, symbol, "the list of channels to leave out"));
   // The formula refuses it for its own terms; a term that is forced comes beside the formula.
@@ -281,20 +282,20 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
         return fail(ErrorCode::invalid_argument, reasons::kBadOptions,
                     "the output " + symbol + " stands among its own terms, in the forced term " +
                         effects::notation(term) + ": it would explain itself");
-  OfferedTerms offered = offered_terms(options, datums);
-  design.terms = std::move(offered.terms);
-  design.always = std::move(offered.always);
-  DRIFTWISE_TRY(auto columns, collect_columns(dataset, design.terms, ordinals));
-  auto& variables = columns.variables;
-  for (std::size_t v = 0; v < variables.named.size(); ++v)
-    needed.emplace_back(variables.named[v].name, variables.values[v]);
+  // Which rows are complete, before the datums: one without a complete row has no constant, and is
+  // not the one that the others count from.
+  EffectColumns worked_out;
+  DRIFTWISE_TRY(auto undated,
+                collect_columns(dataset, offered_terms(options, {}).terms, ordinals, worked_out));
+  for (std::size_t v = 0; v < undated.variables.named.size(); ++v)
+    needed.emplace_back(undated.variables.named[v].name, undated.variables.values[v]);
 
   const auto clean = clean_rows(dataset, needed, options.executor);
   design.rows.reserve(dataset.rows);
   design.datum.reserve(dataset.rows);
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     if (dataset.is_excluded(row)) {
-      ++design.excluded;
+      if (!is_passage(dataset, row)) ++design.excluded;
       continue;
     }
     const bool calibration = calibrates(row);
@@ -319,6 +320,17 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
     }
   }
 
+  std::vector<int> datums = design.datum;
+  std::ranges::sort(datums);
+  datums.erase(std::unique(datums.begin(), datums.end()), datums.end());
+  OfferedTerms offered = offered_terms(options, datums);
+  design.terms = std::move(offered.terms);
+  design.always = std::move(offered.always);
+  for (std::size_t i = 0; i < undated.variables.storage.size(); ++i)
+    worked_out.emplace(undated.variables.stored_effects[i],
+                       std::move(undated.variables.storage[i]));
+  DRIFTWISE_TRY(auto columns, collect_columns(dataset, design.terms, ordinals, worked_out));
+  auto& variables = columns.variables;
   design.variables = std::move(variables.named);
   find_ranges(design, variables.values, options.executor);
   for (std::size_t v = 0; v < design.variables.size(); ++v)

@@ -106,6 +106,10 @@ struct OutputModel {
   Accuracy accuracy;
   Eigen::MatrixXd covariance_serial;  // allowing for rows that are not independent
                                       // (serial_errors.h); empty: not known
+  // W, with W W' the covariance that targets count with, column units: a variance a'C a is the sum
+  // of the squares of W'a, which needs the digits that the coefficients need and never is negative.
+  // a'C a itself needs twice as many. Empty: a model of before, or one without degrees of freedom.
+  Eigen::MatrixXd covariance_root;
   double noise_variance = 0;  // of one row, with what the terms took up of it (noise_spectrum.h);
                               // column unit squared; 0: not known
   std::vector<Influence> influences;

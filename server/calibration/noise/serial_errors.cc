@@ -1,5 +1,7 @@
 #include "server/calibration/noise/serial_errors.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -41,6 +43,14 @@ Eigen::VectorXd times_root_of_weights(const Design& design, Eigen::VectorXd resi
   for (Index row = 0; row < residuals.size(); ++row)
     residuals[row] *= std::sqrt(design.columns.weight(design.rows[static_cast<std::size_t>(row)]));
   return residuals;
+}
+
+// L with L L' = the matrix, which is positive but for rounding.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& matrix) {
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(matrix);
+  if (cholesky.info() == Eigen::Success) return cholesky.matrixL();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 // The residuals of several stretches, one after another.
@@ -88,11 +98,13 @@ SerialErrors serial_errors(const Design& design, const Solution& solution,
   }
   if (stretches.size() == 1) {
     errors.covariance = solution.root * together * solution.root.transpose();
+    errors.root = solution.root * root_of(together);
   } else {
     const Eigen::MatrixXd classical = solution.root * solution.root.transpose();
     const Eigen::VectorXd factor =
         errors.standard_errors.cwiseQuotient(classical.diagonal().cwiseSqrt());
     errors.covariance = factor.asDiagonal() * classical * factor.asDiagonal();
+    errors.root = factor.asDiagonal() * solution.root;
   }
   return errors;
 }

@@ -24,6 +24,7 @@ struct SerialErrors {
   Eigen::VectorXd standard_errors;  // of solution.coefficients, same order
   Eigen::MatrixXd covariance;  // the same, whole: each error's factor on the classical one where
                                // not all rows were looked at
+  Eigen::MatrixXd root;        // covariance = root root', without the square's loss of digits
 };
 
 // residuals: of the design's rows, in the output's unit. Without degrees of freedom: all 0.

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <set>
 
 #include "server/calibration/linear/row_qr.h"
 #include "server/calibration/linear/solution.h"
 #include "server/calibration/selection/starts.h"
+#include "server/core/try.h"
 
 namespace driftwise::calibration {
 namespace {
@@ -41,26 +41,6 @@ Training training_without(const Design& design, const RowReduction& reduction, s
   return training;
 }
 
-// Rows of a datum outside the training: about their mean.
-void centre_untrained(const Design& design, Index begin, const std::set<int>& trained,
-                      Eigen::VectorXd& errors) {
-  std::map<int, std::pair<double, int>> untrained;
-  const auto datum_of = [&](Index row) {
-    return design.datum[static_cast<std::size_t>(begin + row)];
-  };
-  for (Index row = 0; row < errors.size(); ++row) {
-    if (trained.contains(datum_of(row))) continue;
-    auto& [sum, count] = untrained[datum_of(row)];
-    sum += errors[row];
-    ++count;
-  }
-  if (untrained.empty()) return;
-  for (Index row = 0; row < errors.size(); ++row) {
-    const auto at = untrained.find(datum_of(row));
-    if (at != untrained.end()) errors[row] -= at->second.first / at->second.second;
-  }
-}
-
 // rows [begin, end): measured less predicted by each column of monomials (one per output).
 Eigen::MatrixXd errors_on(const Design& design, Index begin, Index end,
                           const Eigen::MatrixXd& monomials) {
@@ -83,76 +63,128 @@ Eigen::MatrixXd errors_on(const Design& design, Index begin, Index end,
   return errors;
 }
 
-// What one block adds: the errors of its rows per output; none where nothing could be fitted.
+// What one block adds: the errors of its rows per output, or why nothing could be fitted.
 struct BlockErrors {
-  std::vector<std::optional<Eigen::VectorXd>> errors;
+  std::vector<tl::expected<Eigen::VectorXd, std::string>> errors;
 };
 
-// Norms of the terms' columns over all rows; nothing where these are too much alike for X'X.
-std::optional<Eigen::VectorXd> lengths_of(const RowReduction& reduction) {
+// What the terms' columns are over some rows, in the order of the terms.
+struct ColumnSizes {
+  Eigen::VectorXd whole;   // norm, but for what the constant has
+  Eigen::VectorXd beyond;  // of it, what is left beyond the columns before it
+};
+
+ColumnSizes sizes_of(const Triangle& triangle, bool constant) {
+  const Index skip = constant ? 1 : 0, count = triangle.columns.cols();
+  const Eigen::MatrixXd columns = triangle.columns.bottomRows(triangle.columns.rows() - skip);
+  ColumnSizes sizes{columns.colwise().norm().transpose(), Eigen::VectorXd::Zero(count)};
+  Eigen::MatrixXd basis(columns.rows(), count);
+  Index found = 0;
+  for (Index j = 0; j < count; ++j) {
+    Eigen::VectorXd rest = columns.col(j);
+    for (int pass = 0; pass < 2; ++pass)  // twice is enough
+      rest -= basis.leftCols(found) * (basis.leftCols(found).transpose() * rest).eval();
+    sizes.beyond[j] = rest.norm();
+    if (sizes.beyond[j] > 1e-13 * sizes.whole[j] && found < basis.rows())
+      basis.col(found++) = rest / sizes.beyond[j];
+  }
+  return sizes;
+}
+
+// Over all rows; nothing where these are too much alike for X'X.
+std::optional<ColumnSizes> sizes_of_all(const Design& design, const RowReduction& reduction) {
   std::vector<std::size_t> all(reduction.pieces());
   std::iota(all.begin(), all.end(), std::size_t{0});
   const auto triangle = reduction.triangle(all);
   if (!triangle) return std::nullopt;
-  return triangle->columns.colwise().norm().transpose();
+  return sizes_of(*triangle, design.constant);
 }
 
-// A step inside the block is a constant of the rows outside, and datum(k) is zero: such a column
-// varies there by rounding alone, and has no coefficient from them. length: over all rows.
-bool varies(const Triangle& triangle, int column, bool constant, double length) {
-  constexpr double kRounding = 1e-10;
-  const auto all = triangle.columns.col(column);
-  return (constant ? all.tail(all.size() - 1).norm() : all.norm()) > kRounding * length;
+// Terms that the rows outside a block determine as all rows do. A step inside the block is a
+// constant of them, datum(k) is zero or adds up to the constant, of three loads two are left: such
+// a column varies there by rounding alone, or is the sum of those before it.
+std::vector<int> determined(const Design& design, const Triangle& triangle,
+                            const ColumnSizes& over_all) {
+  constexpr double kRounding = 1e-10, kAlreadyThere = 1e-4;
+  const ColumnSizes here = sizes_of(triangle, design.constant);
+  std::vector<int> columns;
+  for (Index j = 0; j < here.whole.size(); ++j) {
+    const bool is_constant = j == 0 && design.constant;
+    if (is_constant ||
+        (here.whole[j] > kRounding * over_all.whole[j] &&
+         here.beyond[j] * over_all.whole[j] > kAlreadyThere * over_all.beyond[j] * here.whole[j]))
+      columns.push_back(static_cast<int>(j));
+  }
+  return columns;
+}
+
+std::string cannot_fit(Index begin, Index end, std::int64_t rows, std::size_t terms) {
+  return "without rows " + std::to_string(begin + 1) + " to " + std::to_string(end) +
+         " of the fit " + std::to_string(rows) + " are left for " + std::to_string(terms) +
+         " terms";
 }
 
 std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule,
-                                 const RowReduction& reduction, const Eigen::VectorXd& lengths,
+                                 const RowReduction& reduction, const ColumnSizes& over_all,
                                  std::size_t held) {
   const Training training = training_without(design, reduction, held);
   const auto triangle = reduction.triangle(training.pieces);
   if (!triangle) return std::nullopt;
   const auto outputs = static_cast<Index>(design.outputs.size());
+  const Index begin = reduction.cuts()[3 * held], end = reduction.cuts()[3 * held + 3];
   BlockErrors result;
-  result.errors.resize(design.outputs.size());
   Eigen::MatrixXd monomials = Eigen::MatrixXd::Zero(design.monomials(), outputs);
-  std::vector<Index> fitted;
+  const auto offered = rule.stepwise ? std::vector<int>{} : determined(design, *triangle, over_all);
   for (Index o = 0; o < outputs; ++o) {
-    if (!rule.stepwise && training.rows <= static_cast<std::int64_t>(design.terms.size())) continue;
     std::vector<int> columns;
-    if (rule.stepwise) {
+    if (rule.stepwise)
       columns =
           select_from_starts(*triangle, design.basis, design.always, o, rule).selection.set.order();
-    } else {
-      for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
-        if (((j == 0 && design.constant) || varies(*triangle, j, design.constant, lengths[j])) &&
-            !rule.leaves_out(o, j))
-          columns.push_back(j);
+    for (const int j : offered)
+      if (!rule.leaves_out(o, j)) columns.push_back(j);
+    Solution solution = solve(*triangle, design.basis, columns, o);
+    while (!solution.deficient.empty() && !columns.empty()) {
+      std::erase_if(columns, [&](int j) {
+        return std::ranges::find(solution.deficient, j) != solution.deficient.end();
+      });
+      solution = solve(*triangle, design.basis, columns, o);
     }
-    const Solution solution = solve(*triangle, design.basis, columns, o);
-    if (!solution.deficient.empty() || solution.dof < 1) continue;
+    if (solution.dof < 1) {
+      result.errors.emplace_back(
+          tl::unexpected(cannot_fit(begin, end, training.rows, columns.size())));
+      continue;
+    }
     monomials.col(o) = solution.monomials;
-    fitted.push_back(o);
+    result.errors.emplace_back(Eigen::VectorXd());
   }
-  const Index begin = reduction.cuts()[3 * held], end = reduction.cuts()[3 * held + 3];
   const Eigen::MatrixXd errors = errors_on(design, begin, end, monomials);
-  for (const Index o : fitted) {
-    Eigen::VectorXd one = errors.col(o);
-    if (design.constant) centre_untrained(design, begin, training.datums, one);
-    result.errors[static_cast<std::size_t>(o)] = std::move(one);
+  const auto datums =
+      std::span(design.datum)
+          .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+  for (Index o = 0; o < outputs; ++o) {
+    auto& of_output = result.errors[static_cast<std::size_t>(o)];
+    if (!of_output) continue;
+    *of_output = errors.col(o);
+    if (design.constant) judge_untrained(datums, training.datums, *of_output);
   }
   return result;
 }
 
-std::optional<BlockOutcome> summarise(const std::vector<BlockErrors>& blocks, std::size_t output) {
+BlockResult summarise(const std::vector<BlockErrors>& blocks, std::size_t output) {
   std::vector<ErrorSums> folds;
   BlockOutcome outcome;
   for (const auto& block : blocks) {
-    if (!block.errors[output]) return std::nullopt;
-    auto& fold = folds.emplace_back();
-    for (const double error : *block.errors[output]) fold.add(error);
-    outcome.errors.insert(outcome.errors.end(), block.errors[output]->begin(),
-                          block.errors[output]->end());
+    DRIFTWISE_TRY(const auto errors, block.errors[output]);
+    ErrorSums fold;
+    for (const double error : errors)
+      if (std::isfinite(error)) fold.add(error);
+    if (fold.rows > 0) folds.push_back(fold);
+    outcome.errors.insert(outcome.errors.end(), errors.begin(), errors.end());
   }
+  if (folds.size() < 2)
+    return tl::unexpected(
+        std::string("rows of datums that are measured once each, all of them in "
+                    "one block, say nothing of their errors"));
   outcome.figure = held_out_figure(folds);
   return outcome;
 }
@@ -173,14 +205,12 @@ std::vector<Index> block_cuts(const Design& design, int blocks, double gap) {
   return cuts;
 }
 
-std::vector<std::optional<BlockOutcome>> held_out_by_blocks(const Design& design,
-                                                            const RowReduction& reduction,
-                                                            const SelectionRule& rule,
-                                                            const Executor& executor) {
+std::vector<BlockResult> held_out_by_blocks(const Design& design, const RowReduction& reduction,
+                                            const SelectionRule& rule, const Executor& executor) {
   std::vector<std::optional<BlockErrors>> errors(reduction.pieces() / 3);
-  if (const auto lengths = lengths_of(reduction))
+  if (const auto over_all = sizes_of_all(design, reduction))
     run_on(executor, errors.size(),
-           [&](std::size_t b) { errors[b] = judge(design, rule, reduction, *lengths, b); });
+           [&](std::size_t b) { errors[b] = judge(design, rule, reduction, *over_all, b); });
   // Without a block the rest may be too much alike for X'X.
   if (!std::ranges::all_of(errors, [](const auto& one) { return one.has_value(); })) {
     const RowReduction exact(design, reduction.cuts(), Solver::qr, executor);
@@ -188,7 +218,7 @@ std::vector<std::optional<BlockOutcome>> held_out_by_blocks(const Design& design
   }
   std::vector<BlockErrors> blocks;
   for (auto& one : errors) blocks.push_back(std::move(*one));
-  std::vector<std::optional<BlockOutcome>> results;
+  std::vector<BlockResult> results;
   for (std::size_t o = 0; o < design.outputs.size(); ++o) results.push_back(summarise(blocks, o));
   return results;
 }

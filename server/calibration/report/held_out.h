@@ -3,7 +3,8 @@
 // selected and fitted without it and without a gap of rows on either side (random folds leak
 // through autocorrelation, NUMERICS.md section 3).
 
-#include <optional>
+#include <string>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "server/calibration/design/design.h"
@@ -19,15 +20,17 @@ std::vector<Eigen::Index> block_cuts(const Design& design, int blocks, double ga
 
 struct BlockOutcome {  // of one output; column unit
   HeldOut figure;
-  std::vector<double> errors;  // one per row of the design, in its order
+  std::vector<double> errors;  // one per row of the design, in its order; NaN: not judged
 };
 
-// Per output; none where a block leaves too few rows to fit. Blocks have equal numbers of rows.
+// Why there is no figure, where a block leaves too few rows to fit: a clause naming it.
+using BlockResult = tl::expected<BlockOutcome, std::string>;
+
+// Per output. Blocks have equal numbers of rows. Terms that the rows outside a block do not
+// determine are left out there, in the order of the terms.
 // reduction: of the design, cut by block_cuts(), so that a fold costs width^3 and one pass over the
-// rows it left out. Rows of a datum that is not in the training are judged about their mean.
-std::vector<std::optional<BlockOutcome>> held_out_by_blocks(const Design& design,
-                                                            const RowReduction& reduction,
-                                                            const SelectionRule& rule,
-                                                            const Executor& executor);
+// rows it left out. Rows of a datum that is not in the training: judge_untrained().
+std::vector<BlockResult> held_out_by_blocks(const Design& design, const RowReduction& reduction,
+                                            const SelectionRule& rule, const Executor& executor);
 
 }  // namespace driftwise::calibration

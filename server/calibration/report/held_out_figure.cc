@@ -1,6 +1,7 @@
 #include "server/calibration/report/held_out_figure.h"
 
 #include <cmath>
+#include <map>
 
 #include "server/calibration/linear/tail.h"
 
@@ -30,6 +31,29 @@ Range jackknife(const std::vector<ErrorSums>& folds, const ErrorSums& all, Figur
 }
 
 }  // namespace
+
+void judge_untrained(std::span<const int> datums, const std::set<int>& trained,
+                     Eigen::Ref<Eigen::VectorXd> errors) {
+  struct Rows {
+    double sum = 0, count = 0;
+  };
+  std::map<int, Rows> untrained;
+  for (Eigen::Index row = 0; row < errors.size(); ++row) {
+    const int datum = datums[static_cast<std::size_t>(row)];
+    if (trained.contains(datum)) continue;
+    Rows& rows = untrained[datum];
+    if (!std::isfinite(errors[row])) continue;
+    rows.sum += errors[row];
+    rows.count += 1;
+  }
+  if (untrained.empty()) return;
+  for (Eigen::Index row = 0; row < errors.size(); ++row) {
+    const auto at = untrained.find(datums[static_cast<std::size_t>(row)]);
+    if (at == untrained.end()) continue;
+    const auto [sum, count] = at->second;
+    errors[row] = count > 1 ? (errors[row] - sum / count) * std::sqrt(count / (count - 1)) : NAN;
+  }
+}
 
 HeldOut held_out_figure(const std::vector<ErrorSums>& folds) {
   ErrorSums all;

@@ -6,6 +6,7 @@
 
 #include "server/calibration/design/design.h"
 #include "server/calibration/design/predict.h"
+#include "server/calibration/model/model_units.h"
 #include "server/calibration/pose_of_zero.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -146,6 +147,17 @@ double left_at(const Seen& seen, const std::vector<std::string>& axes, const Eig
 }
 
 }  // namespace
+
+Result<RunToCheck> in_model_units(const calibration::Model& model, RunToCheck run) {
+  DRIFTWISE_TRY(run.data, calibration::in_model_units(model, std::move(run.data)));
+  for (auto& zero : run.zeros) {
+    DRIFTWISE_TRY(zero, calibration::in_model_units(model, std::move(zero)));
+  }
+  for (auto& reading : run.before) {
+    DRIFTWISE_TRY(reading.values, calibration::in_model_units(model, std::move(reading.values)));
+  }
+  return run;
+}
 
 RunToCheck in_model_datum(const calibration::Model& model, RunToCheck run) {
   std::vector<std::string> axes;

@@ -37,6 +37,9 @@ struct RunToCheck {
   std::string unknown_memory = {};  // a sentence; with_effects_as_channels() fills it
 };
 
+// The run, its zeros and what was read before it in the model's units. Errors: UNITS_DISAGREE.
+Result<RunToCheck> in_model_units(const calibration::Model& model, RunToCheck run);
+
 // The run's poses as the model has them: those of every datum from its p0. With a known zero p0 is
 // what serving finds from it; without, where the model has the datum's rows on average. 0 where the
 // model cannot tell (calibration/pose_of_zero.h).

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "server/core/try.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/time_constant.h"
 
@@ -150,6 +151,12 @@ RunToCheck with_effects_as_channels(const calibration::Model& model, RunToCheck 
     run.data.columns.push_back({channel, std::move(replay.rows)});
   }
   return run;
+}
+
+Result<RunToCheck> as_the_model_reads(const calibration::Model& model, RunToCheck run) {
+  DRIFTWISE_TRY(auto in_units, in_model_units(model, std::move(run)));
+  return in_model_datum(with_effects_as_channels(model),
+                        with_effects_as_channels(model, std::move(in_units)));
 }
 
 }  // namespace driftwise::diagnosis

@@ -29,4 +29,8 @@ calibration::Model with_effects_as_channels(calibration::Model model);
 // says since when. Unchanged: the model has no such effect, or the data no times.
 RunToCheck with_effects_as_channels(const calibration::Model& model, RunToCheck run);
 
+// The run as run_errors() reads it of with_effects_as_channels(model): in the model's units, with
+// its effects as channels, in the model's datum. Errors: UNITS_DISAGREE.
+Result<RunToCheck> as_the_model_reads(const calibration::Model& model, RunToCheck run);
+
 }  // namespace driftwise::diagnosis

@@ -182,15 +182,22 @@ class Charts {
 };
 
 OutputCheck check_output(const calibration::Model& model, const calibration::OutputModel& output,
-                         std::span<const RunToCheck> runs) {
+                         std::span<const Result<RunToCheck>> runs,
+                         std::span<const RunToCheck> asked) {
   OutputCheck check{output.channel,
                     summary_unit(output.channel.unit).unit,
                     reference_of(output, model.lineage.rows_calibration),
                     {}};
   Charts charts(check.reference);
-  for (const auto& run : runs) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
     CheckPoint point;
-    point.run = run.run;
+    point.run = asked[i].run;
+    if (!runs[i]) {
+      point.why_not = runs[i].error().message;
+      check.points.push_back(std::move(point));
+      continue;
+    }
+    const RunToCheck& run = *runs[i];
     for (std::size_t row = 0; row < run.data.rows; ++row)
       point.excluded += run.data.is_excluded(row) ? 1 : 0;
     const auto errors = run_errors(output, model.lineage.rows_calibration, run);
@@ -216,11 +223,10 @@ OutputCheck check_output(const calibration::Model& model, const calibration::Out
 CheckReport check_model(const calibration::Model& model, std::span<const RunToCheck> runs) {
   CheckReport report;
   const auto plain = with_effects_as_channels(model);
-  std::vector<RunToCheck> moved;
-  for (const auto& run : runs)
-    moved.push_back(in_model_datum(plain, with_effects_as_channels(model, run)));
+  std::vector<Result<RunToCheck>> ready;
+  for (const auto& run : runs) ready.push_back(as_the_model_reads(model, run));
   for (const auto& output : plain.outputs)
-    report.outputs.push_back(check_output(plain, output, moved));
+    report.outputs.push_back(check_output(plain, output, ready, runs));
   for (std::size_t back = runs.size(); back-- > 0;) {
     bool judged = false;
     for (const auto& output : report.outputs) {

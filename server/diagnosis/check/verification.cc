@@ -7,6 +7,7 @@
 
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/calibration/model/model_units.h"
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
@@ -56,10 +57,11 @@ struct OutsideRows {
   std::vector<char> is_outside;
   std::vector<std::string> why;
 };
-OutsideRows outside_of(const calibration::Model* model, const Dataset& data,
-                       const std::vector<std::size_t>& rows) {
-  OutsideRows found{std::vector<char>(data.rows, 0), {}};
+Result<OutsideRows> outside_of(const calibration::Model* model, const Dataset& as_measured,
+                               const std::vector<std::size_t>& rows) {
+  OutsideRows found{std::vector<char>(as_measured.rows, 0), {}};
   if (model == nullptr) return found;
+  DRIFTWISE_TRY(const Dataset data, calibration::in_model_units(*model, as_measured));
   for (const auto& range : model->domain) {
     const auto values = data.values_of(range.channel.symbol);
     if (values.empty() || range.channel.symbol.starts_with("q")) continue;
@@ -78,26 +80,30 @@ OutsideRows outside_of(const calibration::Model* model, const Dataset& data,
 }
 
 // Per row and coordinate what the axes' own misses did to the pose, in the coordinate's unit: J^-1
-// (q - q commanded), J from the model by central differences. Empty: cannot be said.
-std::vector<std::vector<double>> shares_of_holding(const RunToVerify& run,
-                                                   const std::vector<Coordinate>& coordinates,
-                                                   const std::vector<std::size_t>& rows) {
+// (q - q commanded), J from the model by central differences, all of it in the model's units.
+// Empty: cannot be said.
+Result<std::vector<std::vector<double>>> shares_of_holding(
+    const RunToVerify& run, const std::vector<Coordinate>& coordinates,
+    const std::vector<std::size_t>& rows) {
   const auto n = static_cast<Eigen::Index>(coordinates.size());
   if (run.model == nullptr || !run.compensated || run.model->outputs.size() != coordinates.size())
-    return {};
+    return std::vector<std::vector<double>>();
+  DRIFTWISE_TRY(const Dataset data, calibration::in_model_units(*run.model, run.data));
   std::vector<const DatasetColumn*> held, commanded;
   for (const auto& output : run.model->outputs) {
-    held.push_back(run.data.find(output.channel.symbol));
-    commanded.push_back(run.data.find(output.channel.symbol + "_cmd"));
-    if (held.back() == nullptr || commanded.back() == nullptr) return {};
+    held.push_back(data.find(output.channel.symbol));
+    commanded.push_back(data.find(output.channel.symbol + "_cmd"));
+    if (held.back() == nullptr || commanded.back() == nullptr)
+      return std::vector<std::vector<double>>();
   }
-  const Dataset base = calibration::in_first_datum(run.data, run.model->datum_zeros);
+  const Dataset base = calibration::in_first_datum(data, run.model->datum_zeros);
   std::vector<Eigen::MatrixXd> slopes(rows.size(), Eigen::MatrixXd::Zero(n, n));
   for (Eigen::Index k = 0; k < n; ++k) {
-    const auto& axis = coordinates[static_cast<std::size_t>(k)].measured->channel;
+    const auto& axis =
+        *data.find(coordinates[static_cast<std::size_t>(k)].measured->channel.symbol);
     double low = INFINITY, high = -INFINITY;
     for (const std::size_t row : rows) {
-      const double value = coordinates[static_cast<std::size_t>(k)].measured->values[row];
+      const double value = axis.values[row];
       low = std::min(low, value), high = std::max(high, value);
     }
     const double step = std::max(1e-9, 1e-4 * (high - low));
@@ -105,11 +111,11 @@ std::vector<std::vector<double>> shares_of_holding(const RunToVerify& run,
     for (const int side : {0, 1}) {
       Dataset moved = base;
       for (auto& column : moved.columns)
-        if (column.channel.symbol == axis.symbol)
+        if (column.channel.symbol == axis.channel.symbol)
           for (double& value : column.values) value += side == 0 ? -step : step;
       for (const auto& output : run.model->outputs) {
         auto predicted = calibration::predict(moved, output);
-        if (!predicted) return {};
+        if (!predicted) return std::vector<std::vector<double>>();
         sides[side].push_back(std::move(*predicted));
       }
     }
@@ -121,7 +127,14 @@ std::vector<std::vector<double>> shares_of_holding(const RunToVerify& run,
       }
   }
   std::vector<std::vector<double>> shares(coordinates.size(),
-                                          std::vector<double>(run.data.rows, kMissing));
+                                          std::vector<double>(data.rows, kMissing));
+  std::vector<double> per_model_unit;
+  for (const auto& one : coordinates) {
+    const auto& channel = one.measured->channel;
+    DRIFTWISE_TRY(const auto convert,
+                  calibration::to_model_unit(channel, data.find(channel.symbol)->channel));
+    per_model_unit.push_back(convert.divisor / convert.factor);
+  }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Eigen::VectorXd missed(n);
     for (Eigen::Index o = 0; o < n; ++o) {
@@ -129,7 +142,8 @@ std::vector<std::vector<double>> shares_of_holding(const RunToVerify& run,
       missed[o] = held[at]->values[rows[i]] - commanded[at]->values[rows[i]];
     }
     const Eigen::VectorXd share = slopes[i].partialPivLu().solve(missed);
-    for (Eigen::Index k = 0; k < n; ++k) shares[static_cast<std::size_t>(k)][rows[i]] = share[k];
+    for (std::size_t k = 0; k < coordinates.size(); ++k)
+      shares[k][rows[i]] = share[static_cast<Eigen::Index>(k)] * per_model_unit[k];
   }
   return shares;
 }
@@ -165,11 +179,11 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
                 run_name(run.run) + " has " + std::to_string(judged.rows.size()) +
                     " points with target and measurement, returns to zero not counted: at least 2 "
                     "are needed");
-  const OutsideRows outside = outside_of(range, run.data, judged.rows);
+  DRIFTWISE_TRY(const auto outside, outside_of(range, run.data, judged.rows));
   judged.run.rows = static_cast<std::int64_t>(judged.rows.size());
   judged.run.outside = outside.why;
   for (const std::size_t row : judged.rows) judged.run.rows_outside += outside.is_outside[row];
-  const auto shares = shares_of_holding(run, coordinates, judged.rows);
+  DRIFTWISE_TRY(const auto shares, shares_of_holding(run, coordinates, judged.rows));
   for (std::size_t k = 0; k < coordinates.size(); ++k) {
     const auto& [measured, target] = coordinates[k];
     const SummaryUnit summary = summary_unit(measured->channel.unit);

@@ -64,8 +64,8 @@ struct Verification {
 
 // range: whose range says inside and outside; null: each run's own model, else that of the first
 // run that has one. Errors: invalid_argument NO_TARGETS (a run without wanted poses),
-// UNKNOWN_CHANNEL (none of its coordinates was measured), TOO_FEW_ROWS (fewer than 2 points but
-// returns to zero).
+// UNKNOWN_CHANNEL (none of its coordinates was measured), UNITS_DISAGREE (with a model's),
+// TOO_FEW_ROWS (fewer than 2 points but returns to zero).
 Result<Verification> verify_runs(std::span<const RunToVerify> runs,
                                  const calibration::Model* range);
 

@@ -44,7 +44,8 @@ struct TimeRules {
   double resolution_s = 1;
 };
 
-// A number of the dataset: value = convert(text * scale + offset).
+// A number of the dataset: value = convert(text * scale + offset); of a spread convert has no
+// offset.
 struct ColumnRule {
   // line, run, datum: whole numbers. zero: 0 or 1.
   enum class Target : std::uint8_t { channel, dwell, line, run, datum, zero };
@@ -55,6 +56,8 @@ struct ColumnRule {
   double scale = 1, offset = 0;  // in the file's unit, before the conversion
   UnitConversion convert;
   bool required = false;  // an empty field is an error
+  // "t01_std": a difference, converted by the factor of its unit alone, and never negative.
+  bool is_spread() const { return target == Target::channel && channel.symbol.ends_with("_std"); }
 };
 
 struct ConstantRule {

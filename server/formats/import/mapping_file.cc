@@ -131,7 +131,8 @@ void read_column(TomlReader&& reader, ColumnRule& out) {
   if (!out.unit.empty() && !out.channel.unit.empty()) {
     auto convert = unit_conversion(out.unit, out.channel.unit);
     if (convert)
-      out.convert = *convert;
+      out.convert =
+          out.is_spread() ? UnitConversion{convert->factor, convert->divisor, 0} : *convert;
     else
       reader.refuse(
           "unit",

@@ -10,25 +10,31 @@
 namespace driftwise::formats {
 
 // The first row after local time went back by the hour of summer time, or half of it: the only step
-// back of the file, by 30 to 60 min less the step between two rows, in the middle of rows that go
-// on increasing on both sides and past it.
+// of the file that is not forward. Its stamp is behind the one before by that hour less the time
+// between the two rows, which is known by the largest step of the others alone: rows of 45 min step
+// back by 15, rows of an hour repeat a stamp.
 std::optional<std::size_t> RowTimes::row_of_clock_set_back() const {
-  constexpr std::int64_t kMinute_ns = 60'000'000'000;
-  std::optional<std::size_t> at;
+  constexpr std::int64_t kHour_ns = 3'600'000'000'000, kHalf_ns = kHour_ns / 2;
+  std::vector<std::size_t> back, same;
+  std::int64_t smallest_ns = std::numeric_limits<std::int64_t>::max(), largest_ns = 0;
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (!rows_[i].local) return std::nullopt;
-    if (i == 0 || rows_[i].time >= rows_[i - 1].time) continue;
-    if (at) return std::nullopt;
-    at = i;
+    if (i == 0) continue;
+    const std::int64_t step_ns = (rows_[i].time - rows_[i - 1].time).count();
+    if (step_ns < 0) back.push_back(i);
+    if (step_ns == 0) same.push_back(i);
+    if (step_ns > 0) smallest_ns = std::min(smallest_ns, step_ns);
+    largest_ns = std::max(largest_ns, step_ns);
   }
-  if (!at || *at < 2 || *at + 1 >= rows_.size()) return std::nullopt;
-  const auto time = [this](std::size_t row) { return rows_[row].time; };
-  const std::int64_t back_ns = (time(*at - 1) - time(*at)).count();
-  const bool rows_on_both_sides = time(*at - 2) > time(*at) && time(*at + 1) < time(*at - 1);
-  if (back_ns < 30 * kMinute_ns || back_ns > 60 * kMinute_ns || !rows_on_both_sides ||
-      rows_.back().time <= time(*at - 1))
-    return std::nullopt;
-  return at;
+  if (back.size() == 1) {
+    const std::size_t at = back.front();
+    const std::int64_t back_ns = (rows_[at - 1].time - rows_[at].time).count();
+    if (back_ns <= kHour_ns && back_ns + largest_ns >= kHalf_ns) return at;
+  }
+  // Rows of one stamp are common where the stamps are coarser than the rows, and only there.
+  const bool rare_rows = smallest_ns >= kHalf_ns && largest_ns > 0;
+  if (back.empty() && same.size() == 1 && rare_rows) return same.front();
+  return std::nullopt;
 }
 
 Result<RowTimes::Ordered> RowTimes::put_in_order(const TimeRules& rules,
@@ -38,10 +44,11 @@ Result<RowTimes::Ordered> RowTimes::put_in_order(const TimeRules& rules,
                 at_line(file_name, rows_[*at].line) + "found the time " +
                     to_iso8601(rows_[*at].time) + " after " + to_iso8601(rows_[*at - 1].time) +
                     " in line " + std::to_string(rows_[*at - 1].line) +
-                    ", once in the file, by stamps without a zone: the clock was set back here "
-                    "(summer time?). Split the file before this line and import the first part "
-                    "with the utc_offset_h of summer, the second with one hour less (2 and 1 in "
-                    "central Europe); sorting would mix the two hours");
+                    ", once in the file, by stamps without a zone: the clock may have been set "
+                    "back here (summer time?). Split the file before this line and import the "
+                    "first part with the utc_offset_h of summer, the second with one hour less (2 "
+                    "and 1 in central Europe); sorting or parting these rows would mix two hours. "
+                    "If the clock kept one time, write its zone behind the stamps (+01:00)");
   Ordered out;
   out.rows.resize(rows_.size());
   std::iota(out.rows.begin(), out.rows.end(), std::size_t{0});

@@ -114,6 +114,11 @@ Result<double> RowReader::value(const ForeignRows& row, std::size_t index) const
     return tl::unexpected(problem(row, field, reasons::kBadNumber,
                                   "found " + shown(row.fields()[field]) +
                                       ", which is no finite number in the channel's unit"));
+  if (rule.is_spread() && out < 0)
+    return tl::unexpected(problem(row, field, reasons::kBadNumber,
+                                  "found " + shown(row.fields()[field]) +
+                                      ", expected 0 or more: the channel " + rule.channel.name() +
+                                      " is a spread"));
   if (rule.target == ColumnTarget::zero && out != 0 && out != 1)
     return tl::unexpected(problem(row, field, reasons::kBadFlag,
                                   "found " + shown(row.fields()[field]) + ", expected 0 or 1"));

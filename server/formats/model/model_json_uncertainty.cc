@@ -68,6 +68,8 @@ std::vector<calibration::Influence> read_influences(const JsonPlace& from, std::
 void write_uncertainty(const calibration::OutputModel& output, Json& out) {
   if (output.covariance_serial.size() > 0)
     out["covariance_serial"] = matrix_json(output.covariance_serial);
+  if (output.covariance_root.size() > 0)
+    out["covariance_root"] = matrix_json(output.covariance_root);
   if (output.noise_variance > 0) out["noise_variance"] = output.noise_variance;
   if (!output.influences.empty()) out["influences"] = influences_json(output.influences);
 }
@@ -75,6 +77,8 @@ void write_uncertainty(const calibration::OutputModel& output, Json& out) {
 void read_uncertainty(const JsonPlace& from, std::size_t terms, calibration::OutputModel& output) {
   if (from.has("covariance_serial"))
     output.covariance_serial = read_matrix(from["covariance_serial"], terms);
+  if (from.has("covariance_root"))  // models stored before have none
+    output.covariance_root = read_matrix(from["covariance_root"], terms);
   if (from.has("noise_variance")) output.noise_variance = from["noise_variance"].finite();
   if (from.has("influences")) output.influences = read_influences(from["influences"], terms);
 }

@@ -13,9 +13,9 @@ nlohmann::ordered_json matrix_json(const Eigen::MatrixXd& matrix);
 // count x count, before room is made: the text itself bounds the memory. Throws JsonProblem.
 Eigen::MatrixXd read_matrix(const JsonPlace& from, std::size_t count);
 
-// covariance_serial, noise_variance, influences; each absent where the model has none, as one
-// stored by 0.1 does.
-// shift: as many numbers as what the influence moves, terms or parameters.
+// covariance_serial, covariance_root, noise_variance, influences; each absent where the model has
+// none, as one stored by 0.1 does. shift: as many numbers as what the influence moves, terms or
+// parameters.
 nlohmann::ordered_json influences_json(const std::vector<calibration::Influence>& influences);
 std::vector<calibration::Influence> read_influences(const JsonPlace& from, std::size_t moved);
 

@@ -4,7 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <cmath>
+#include <cstdio>
+#include <functional>
 #include <random>
 
 #include "server/formats/formula/formula.h"
@@ -132,6 +135,65 @@ TEST(DatumZeros, OneBeyondDoesNotHoldTheOthersBack) {
   ASSERT_FALSE(model.datum_zeros[1].pose.empty()) << model.datum_zeros[1].why_not;
   EXPECT_NEAR(model.datum_zeros[1].pose[1].value, -0.02, 2e-4);
   EXPECT_NEAR(model.outputs[0].accuracy.rmse, 1e-5, 2e-6);
+}
+
+// Twenty of forty datums were homed elsewhere. They are told from the others in a few fits: a fit
+// counts how often it is given work.
+TEST(DatumZeros, OfManyDatumsAreJudgedFromFewFits) {
+  std::vector<Measured> datums = {{}};
+  for (int i = 0; i < 40; ++i)
+    datums.push_back(i % 2 == 0 ? Measured{.homed_mm = 0.02 + 0.001 * i, .rows = 12}
+                                : Measured{.x_mm = 0.01, .y_mm = -0.001 * i, .rows = 12});
+  const Dataset data = measure(datums);
+  std::atomic<int> clean_rows_asked = 0;  // once in every design
+  FitOptions options;
+  options.blocks = 0;
+  options.candidates =
+      *formats::Formula::parse("q ~ poly(x, y, 2) + t01 + t01:(x + y)")->expand(data);
+  options.select = Select::all;
+  options.executor = [&](std::size_t count, const std::function<void(std::size_t)>& job) {
+    ++clean_rows_asked;
+    for (std::size_t i = 0; i < count; ++i) job(i);
+  };
+  const auto zeros = find_datum_zeros(data, options);
+  ASSERT_EQ(zeros.size(), 40u);
+  int homed_right = 0, moved_right = 0;
+  for (std::size_t i = 0; i < zeros.size(); ++i)
+    (i % 2 == 0 ? homed_right : moved_right) += zeros[i].pose.empty() == (i % 2 == 0) ? 1 : 0;
+  std::printf("executor asked %d times; %d of 20 homed elsewhere, %d of 20 moved\n",
+              clean_rows_asked.load(), homed_right, moved_right);
+  EXPECT_EQ(homed_right, 20);
+  EXPECT_EQ(moved_right, 20);
+}
+
+// A datum of one row meets its constant wherever it is moved: nothing to ask about.
+TEST(DatumZeros, OfOneRowEachCostAFewFits) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> gauss;
+  std::uniform_real_distribution<double> place(-50, 50);
+  Dataset data;
+  data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}, {{"t04", "degC"}, {}}};
+  double homed = 0;
+  for (int i = 0; i < 120; ++i) {
+    const double x = place(random), t = 20 + gauss(random);
+    if (i >= 60) homed = 4e-3 * gauss(random);
+    data.time_s.push_back(30.0 * i);
+    data.datum.push_back(i < 60 ? 0 : i);
+    data.columns[0].values.push_back(x + 2e-4 * (t - 20) + homed + 20e-6 * gauss(random));
+    data.columns[1].values.push_back(x);
+    data.columns[2].values.push_back(t);
+    ++data.rows;
+  }
+  int asked = 0;
+  FitOptions options;
+  options.select = Select::all;
+  options.candidates = *formats::Formula::parse("q ~ x + t04")->expand(data);
+  options.executor = [&](std::size_t count, const std::function<void(std::size_t)>& job) {
+    ++asked;
+    for (std::size_t i = 0; i < count; ++i) job(i);
+  };
+  EXPECT_EQ(find_datum_zeros(data, options).size(), 60u);
+  EXPECT_LT(asked, 100) << "a fit asks its executor a handful of times";
 }
 
 TEST(DatumZeros, CannotBeToldByFewerMotorsThanAxes) {

@@ -1,6 +1,9 @@
 #include "server/calibration/report/held_out.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
 
 #include "server/calibration/linear/solution.h"
 #include "server/calibration/report/accuracy.h"
@@ -128,6 +131,48 @@ TEST(HeldOut, ValidationRowsThatAreShiftedWidenA90) {
   EXPECT_NEAR(heading[0].figures.a90, *b.a90_validation * 1e6, 1e-9);
   ASSERT_TRUE(heading[0].before.has_value());
   EXPECT_NEAR(heading[0].before->a90, *a.a90_validation * 1e6, 1e-9);
+}
+
+// Three loads, each in a stretch of its own: without one of them F and F^2 are one term.
+TEST(HeldOut, OfLoadsInStretchesLeavesOutWhatTheOthersDoNotTell) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> gauss;
+  Dataset data;
+  data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}, {{"force", "N"}, {}}};
+  for (int i = 0; i < 300; ++i) {
+    const double x = -50 + (i * 37 % 101), force = i < 100 ? 0 : i < 270 ? 2.3 : 5.1;
+    data.time_s.push_back(30.0 * i);
+    data.columns[0].values.push_back(x + 1e-5 * force + 1e-6 * force * force +
+                                     20e-6 * gauss(random));
+    data.columns[1].values.push_back(x);
+    data.columns[2].values.push_back(force);
+    ++data.rows;
+  }
+  FitOptions options;
+  options.select = Select::all;
+  const auto model = formats::fit_formula(data, "q1 ~ x + F + F^2", options);
+  ASSERT_TRUE(model) << model.error().message;
+  ASSERT_TRUE(model->outputs[0].accuracy.a90_blocks);
+  // The last load alone is told from the others by what they do not know: 5.1 N, 77 nm at most.
+  EXPECT_LT(*model->outputs[0].accuracy.a90_blocks, 1.645 * 40e-6);
+}
+
+TEST(HeldOut, SaysWhichBlockCouldNotBeFittedAndWhy) {
+  Dataset data = make_campaign({.rows = 60});
+  data.set.clear();
+  data.excluded.assign(data.rows, 0);
+  for (std::size_t i = 9; i < data.rows; ++i) data.excluded[i] = 1;
+  FitOptions options;
+  options.select = Select::all;
+  options.blocks = 3;
+  options.block_gap = 0;
+  const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + x^3 + t01 + t02", options);
+  ASSERT_TRUE(model) << model.error().message;
+  EXPECT_FALSE(model->outputs[0].accuracy.a90_blocks);
+  EXPECT_THAT(model->warnings,
+              testing::Contains(testing::HasSubstr(
+                  "q1: no figure of held-out blocks of time: without rows 1 to 3 of the fit 6 are "
+                  "left for 6 terms")));
 }
 
 TEST(HeldOut, IsLeftOutWhereBlocksWouldBeTooSmall) {

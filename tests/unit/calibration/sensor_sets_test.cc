@@ -85,6 +85,17 @@ TEST(SensorSets, NeedThermometersAndBlocks) {
   EXPECT_EQ(study_sensors(data, options).error().reason, "NO_BLOCKS");
 }
 
+TEST(SensorSets, SayWhyNoSetCanBeRanked) {
+  auto data = warm_axis();
+  data.excluded.assign(data.rows, 1);
+  for (std::size_t i = 0; i < 36; ++i) data.excluded[i] = 0;  // 24 to learn from: 2.4 to a block
+  const auto study = study_sensors(data, options_for(data, "q1 ~ x + T"));
+  ASSERT_FALSE(study);
+  EXPECT_EQ(study.error().reason, "NO_BLOCKS");
+  EXPECT_THAT(study.error().message, testing::HasSubstr("q1 has no such figure"));
+  EXPECT_THAT(study.error().message, testing::HasSubstr("fewer than three rows to a block"));
+}
+
 TEST(SensorSets, AreNotRankedByOneFigureOfLengthsAndAngles) {
   auto data = warm_axis();
   data.columns.push_back({{"rx", "arcsec"}, data.columns[0].values});

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
+#include <random>
 
 #include "server/compensation/own_variance.h"
 #include "server/compensation/snapshot_builder.h"
+#include "server/formats/formula/formula.h"
+#include "server/formats/model/model_json.h"
 #include "tests/unit/compensation/models.h"
 
 namespace driftwise::compensation {
@@ -292,6 +296,103 @@ TEST_F(ServedAxis, FlagsASnapshotThatNobodyRebuilt) {
   request.now = kNow + std::chrono::seconds(11);
   EXPECT_EQ(compute_target(builder->build(kNow), request).flags,
             static_cast<std::uint32_t>(kExpiredConditions));
+}
+
+// An axis that is used far from its zero, in powers of it.
+struct FarAxis {
+  double middle_mm, half_mm, noise_nm;
+  int degree;
+};
+
+struct FarFit {
+  calibration::Model model;
+  Eigen::MatrixXd inverse;  // of A'A, A the powers of (x - middle) / half: well conditioned
+  double variance_nm2 = 0;
+};
+
+FarFit fitted_far_from_zero(const FarAxis& axis) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> gauss;
+  std::uniform_real_distribution<double> place(-1, 1);
+  Dataset data;
+  data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}};
+  data.rows = 200;
+  Eigen::MatrixXd powers(200, axis.degree + 1);
+  Eigen::VectorXd q(200);
+  for (int i = 0; i < 200; ++i) {
+    const double x = axis.middle_mm + axis.half_mm * place(random);
+    const double w = (x - axis.middle_mm) / axis.half_mm;
+    q[i] = (x - axis.middle_mm) * 1.0001 + 0.3 + axis.noise_nm * 1e-6 * gauss(random);
+    for (int k = 0; k <= axis.degree; ++k) powers(i, k) = std::pow(w, k);
+    data.time_s.push_back(30.0 * i);
+    data.columns[0].values.push_back(q[i]);
+    data.columns[1].values.push_back(x);
+  }
+  calibration::FitOptions options;
+  options.select = calibration::Select::all;
+  const auto model =
+      formats::fit_formula(data, "q ~ poly(x, " + std::to_string(axis.degree) + ")", options);
+  EXPECT_TRUE(model) << model.error().message;
+  const auto read = formats::read_model_json(formats::write_model_json(*model));
+  EXPECT_TRUE(read) << read.error().message;
+  const Eigen::VectorXd rest = q - powers * powers.householderQr().solve(q);
+  return {*read, (powers.transpose() * powers).inverse(),
+          rest.squaredNorm() / (200 - axis.degree - 1) * 1e12};
+}
+
+Target target_of(const calibration::Model& model, double x, Budget* budget = nullptr) {
+  auto builder = SnapshotBuilder::create(model, ModelId{1}, CellDescription{});
+  EXPECT_TRUE(builder) << builder.error().message;
+  builder->keep_model_datum();
+  const auto snapshot = builder->build(CellTime{1'000'000'000});
+  TargetRequest request;
+  request.set(Variable::x, x);
+  request.with_uncertainty = true;
+  request.now = CellTime{1'000'000'000};
+  if (budget != nullptr) *budget = compute_budget(snapshot, request, 0);
+  auto target = compute_target(snapshot, request);
+  if (target.refusal != Refusal::none)
+    target.why = std::make_shared<const Error>(refusal_error(snapshot, target));
+  return target;
+}
+
+// What is left between is the noise that the fit finds with correlation in it, not white: 2 % of u.
+TEST(Target, HasTheDigitsOfItsUncertaintyFarFromZero) {
+  for (const FarAxis& axis :
+       {FarAxis{0, 2, 1000, 3}, FarAxis{500, 2, 1000, 3}, FarAxis{1500, 2, 1000, 3},
+        FarAxis{3000, 5, 10000, 3}, FarAxis{1500, 2, 1000, 4}, FarAxis{100, 2, 100, 5}}) {
+    const auto fit = fitted_far_from_zero(axis);
+    for (const double w : {-0.9, -0.5, 0.0, 0.8}) {
+      Eigen::VectorXd at(axis.degree + 1);
+      for (int k = 0; k <= axis.degree; ++k) at[k] = std::pow(w, k);
+      const double leverage = at.dot(fit.inverse * at);
+      Budget budget;
+      const auto target = target_of(fit.model, axis.middle_mm + axis.half_mm * w, &budget);
+      const double expected_nm = std::sqrt(fit.variance_nm2 * (1 + leverage));
+      EXPECT_NEAR(target.u_nm[0] / expected_nm, 1, 0.02) << axis.middle_mm << " " << w;
+      EXPECT_EQ(budget.line[0].source, UncertaintySource::fit);
+      EXPECT_NEAR(budget.line[0].u_nm / std::sqrt(fit.variance_nm2 * leverage), 1, 0.25)
+          << axis.middle_mm << " " << w;
+      EXPECT_NEAR(budget.u_nm / target.u_nm[0], 1, 1e-3);
+    }
+  }
+}
+
+TEST(Target, OfAModelOfBeforeWhoseVarianceComesOutNegativeIsRefused) {
+  auto fit = fitted_far_from_zero({3000, 5, 10000, 3});
+  fit.model.outputs[0].covariance_root.resize(0, 0);
+  int refused = 0;
+  for (const double x : {2995.5, 2997.5, 3000.0, 3004.0}) {
+    const auto target = target_of(fit.model, x);
+    if (target.refusal == Refusal::none) {
+      EXPECT_GT(target.u_nm[0], 1) << x;
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(target.why->reason, "DIGITS_LOST");
+    EXPECT_NE(target.why->message.find("fit it again"), std::string::npos);
+  }
+  EXPECT_GT(refused, 0);
 }
 
 }  // namespace

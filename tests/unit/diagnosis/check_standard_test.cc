@@ -193,6 +193,53 @@ TEST(CheckStandard, JudgesTheSpreadOnlyWhereTheZeroIsNotKnown) {
   EXPECT_FALSE(report.outputs[0].points[0].bias_limit);
 }
 
+// Every channel of a run in another unit: the same measurement.
+RunToCheck in_other_units(RunToCheck run) {
+  run.zeros.clear();
+  for (auto& column : run.data.columns) {
+    const bool temperature = column.channel.unit == "degC";
+    column.channel.unit = temperature ? "K" : "um";
+    for (double& value : column.values) value = temperature ? value + 273.15 : value * 1e3;
+  }
+  return run;
+}
+
+TEST(CheckStandard, JudgesAModelInOtherUnitsAsTheSameModelInThoseOfTheRun) {
+  for (const auto* formula : {"q1 ~ x + x^2 + T", "q1 ~ x + x^2 + lag(t01, 60 s) + t02"}) {
+    std::mt19937 random(1);
+    const Robot robot;
+    const auto rows = measure(robot, 1, 40, random);
+    const auto own = formats::fit_formula(rows.data, formula, {});
+    const auto foreign = formats::fit_formula(in_other_units(rows).data, formula, {});
+    ASSERT_TRUE(own && foreign) << formula;
+    std::vector<RunToCheck> later = {measure(robot, 2, 4, random), measure(robot, 3, 4, random)};
+    for (auto& run : later) {
+      run.zero_times_s = {0};
+      for (int i = 600; i > 0; --i)
+        run.before.push_back({-0.5 * i, {{"t01_degC", run.zeros[0][1].value}}});
+    }
+    const auto expected = check_model(*own, later).outputs[0];
+    const auto report = check_model(*foreign, later);
+    EXPECT_EQ(report.verdict, CheckVerdict::in_control) << formula;
+    for (std::size_t i = 0; i < later.size(); ++i) {
+      EXPECT_TRUE(report.outputs[0].points[i].bias_limit) << "its zero is known";
+      EXPECT_NEAR(report.outputs[0].points[i].bias, expected.points[i].bias, 0.01);
+      EXPECT_NEAR(report.outputs[0].points[i].sd, expected.points[i].sd, 0.01);
+    }
+  }
+}
+
+TEST(CheckStandard, LeavesARunOutWhoseUnitIsOfAnotherKind) {
+  std::mt19937 random(1);
+  const Robot robot;
+  const auto model = learn(robot, random);
+  auto run = measure(robot, 2, 4, random);
+  run.data.columns[2].channel.unit = "N";
+  const auto report = check_model(model, std::vector{run});
+  EXPECT_EQ(report.verdict, CheckVerdict::not_judged);
+  EXPECT_THAT(report.outputs[0].points[0].why_not, HasSubstr("t01 in degC, found it in N"));
+}
+
 TEST(CheckStandard, LeavesExcludedRowsAndRunsItCannotJudgeOut) {
   std::mt19937 random(1);
   const Robot robot;

@@ -97,6 +97,39 @@ TEST(Verification, TakesTheAxesOwnMissesOut) {
   EXPECT_LT(x.by_model->a90, 0.01);
 }
 
+// q = 2 x with q in um and x in m, the range in K: figures are those of the run's own units.
+TEST(Verification, ReadsAModelInOtherUnitsInThoseOfTheRun) {
+  RunToVerify run = run_of(3, 9, 0);
+  auto& data = run.data;
+  data.columns.push_back({{"q1", "mm"}, {}});
+  data.columns.push_back({{"q1_cmd", "mm"}, {}});
+  for (int i = 0; i < 9; ++i) {
+    const double target = i, missed_mm = (i % 3 - 1) * 30e-6;
+    data.columns[0].values[static_cast<std::size_t>(i)] = target + missed_mm / 2;
+    data.columns[3].values.push_back(2 * target + missed_mm);
+    data.columns[4].values.push_back(2 * target);
+  }
+  calibration::Model model;
+  calibration::OutputModel q1;
+  q1.channel = {"q1", "um"};
+  q1.terms = {effects::Term{}, *formats::parse_term("x")};
+  q1.coefficients = Eigen::Vector2d(0, 2e6);
+  model.outputs = {q1};
+  model.domain = {{{"x", "m"}, 0, 5e-3}, {{"t01", "K"}, 293.15, 293.9}};
+  run.model = std::make_shared<const calibration::Model>(model);
+  const auto found = verify_runs(std::vector{run}, nullptr);
+  ASSERT_TRUE(found) << found.error().message;
+  const auto& x = found->runs.front().coordinates.front();
+  ASSERT_TRUE(x.by_model.has_value());
+  EXPECT_LT(x.by_model->a90, 0.01);
+  EXPECT_EQ(verify_runs(std::vector{run}, &model)->runs.front().rows_outside, 3);
+
+  model.domain[1].channel.unit = "N";
+  const auto refused = verify_runs(std::vector{run}, &model);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "UNITS_DISAGREE");
+}
+
 TEST(Verification, SaysWhatARunLacks) {
   RunToVerify none;
   none.run = RunId{7};
