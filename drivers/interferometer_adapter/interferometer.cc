@@ -17,7 +17,7 @@ Interferometer::Interferometer(DeviceDescription device, Options options,
                                const transport::Address& address, asio::any_io_executor executor,
                                Clock& clock, SharedByAddress* shared)
     : LineDevice(std::move(device), address, std::move(executor), clock,
-                 {.resync_request = "IDN?\n"}, shared),
+                 {.resync_request = "IDN?\n", .answers_each_connection = true}, shared),
       options_(std::move(options)),
       length_channel_(device_.length()->channel.name()),
       std_channel_(device_.length()->channel.symbol + "_std_nm"),

@@ -6,7 +6,7 @@ namespace driftwise::load_actuator {
 Weights::Weights(DeviceDescription device, const transport::Address& address,
                  asio::any_io_executor executor, Clock& clock, SharedByAddress* shared)
     : LineDevice(std::move(device), address, std::move(executor), clock,
-                 {.resync_request = "IDN?\n"}, shared) {}
+                 {.resync_request = "IDN?\n", .answers_each_connection = true}, shared) {}
 
 Awaitable<Result<void>> Weights::set_up() {
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("IDN?"));

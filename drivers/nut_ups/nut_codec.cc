@@ -54,16 +54,19 @@ Result<Supply> parse_status(std::string_view status) {
     return fail(ErrorCode::failed_precondition, reasons::kUpsStale,
                 "upsd waits for its UPS driver (upsdrvctl)");
   Supply supply;
-  bool says_where = false;
+  bool says_where = false, on_line = false, low = false, ends = false;
   while (!status.empty()) {
     const std::size_t end = std::min(status.find(' '), status.size());
     const std::string_view word = status.substr(0, end);
     status.remove_prefix(std::min(end + 1, status.size()));
     says_where = says_where || word == "OL" || word == "OB" || word == "FSD" || word == "BYPASS";
+    on_line = on_line || word == "OL";
     supply.on_battery = supply.on_battery || word == "OB";
-    supply.low_battery = supply.low_battery || word == "LB" || word == "FSD";
+    low = low || word == "LB";
+    ends = ends || word == "FSD";
   }
   if (!says_where) return bad_nut_reply("OL or OB among the words of ups.status");
+  supply.low_battery = (low && supply.on_battery) || (ends && !on_line);
   return supply;
 }
 

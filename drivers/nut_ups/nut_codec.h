@@ -28,8 +28,10 @@ Result<std::optional<std::string>> parse_value(std::string_view line, std::strin
                                                std::string_view name);
 
 struct Supply {
-  bool on_battery = false;   // OB
-  bool low_battery = false;  // LB or FSD
+  bool on_battery = false;  // OB
+  // Power is about to go: LB while on battery, or FSD without OL. A battery that is charged after a
+  // power cut is low as well, and mains are there: OL CHRG LB.
+  bool low_battery = false;
 };
 // Errors: data_loss BAD_REPLY: neither OL nor OB, nor another word that says where power comes
 // from; failed_precondition UPS_STALE: WAIT, upsd has not heard of the UPS yet.

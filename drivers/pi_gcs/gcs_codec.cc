@@ -163,7 +163,7 @@ constexpr KnownError kErrors[] = {
     {1, ErrorCode::internal, reasons::kSyntax, "syntax error"},
     {2, ErrorCode::failed_precondition, reasons::kUnknownCommand,
      "unknown command: is the driver's option right for this controller?"},
-    {5, ErrorCode::failed_precondition, reasons::kNotReferenced,
+    {kNoReferenceOrServo, ErrorCode::failed_precondition, reasons::kNotReferenced,
      "not referenced or servo off: home the axes first"},
     {7, ErrorCode::out_of_range, reasons::kPositionLimit,
      "position outside the controller's limits"},
@@ -176,6 +176,9 @@ constexpr KnownError kErrors[] = {
     {17, ErrorCode::out_of_range, reasons::kParameterRange, "parameter out of range"},
     {24, ErrorCode::internal, reasons::kParameterCount, "wrong number of parameters"},
     {26, ErrorCode::internal, reasons::kParameterMissing, "parameter missing"},
+    {216, ErrorCode::failed_precondition, reasons::kRefused, "an axis is on a limit switch"},
+    {1024, ErrorCode::failed_precondition, reasons::kRefused,
+     "motion error: the position error became too large"},
 };
 
 const KnownError* find(int number) {

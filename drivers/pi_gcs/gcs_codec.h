@@ -9,7 +9,8 @@
 // - "MOV X 1.5 Y 0" moves all named axes in one command; "POS?", "ONT?", "FRF?", "TMN?", "TMX?"
 // answer one
 //   "X=<number>" line per axis; "SAI?" one axis name per line (D; FRF?, TMN?, TMX? U)
-// - setters are silent; "ERR?" answers one number and clears it (D)
+// - setters are silent; "ERR?" answers one number and clears it (D): of a setter only what was not
+//   there before it
 
 #include <cstdint>
 #include <span>
@@ -21,7 +22,8 @@
 
 namespace driftwise::gcs {
 
-inline constexpr int kStoppedError = 10;  // the controller has executed 0x18
+inline constexpr int kNoReferenceOrServo = 5;  // which of the two: FRF? and SVO? say it
+inline constexpr int kStoppedError = 10;       // the controller has executed 0x18
 inline constexpr char kStatusByte = 0x04, kMovingByte = 0x05, kStopByte = 0x18;
 inline constexpr std::uint64_t kStatusReferenced = 0x10000;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "drivers/pi_gcs/gcs_codec.h"
 #include "server/core/reasons.h"
@@ -43,6 +44,7 @@ tl::unexpected<Error> GcsController::stopped() const {
 Awaitable<Result<GcsController::Fetched>> GcsController::fetch(std::vector<std::string> queries) {
   Fetched replies;
   if (!options_.pipelining) co_return replies;
+  holds_no_error_ = false;
   std::string message;
   for (const auto& query : queries) message += query;
   DRIFTWISE_CO_TRY(const auto joined, co_await link_.ask(std::move(message), timeout_,
@@ -64,15 +66,84 @@ GcsController::Text GcsController::next(Fetched& fetched, std::string query) {
 
 Awaitable<Result<int>> GcsController::take_error_number() {
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("ERR?\n"));
-  co_return checked(parse_error_number(reply));
+  co_return error_number(reply);
+}
+
+Result<int> GcsController::error_number(std::string_view reply) {
+  auto number = checked(parse_error_number(reply));
+  holds_no_error_ = number && *number == 0;
+  return number;
+}
+
+void GcsController::note_old_error(int number, const std::string& found) {
+  if (number == 0) return;
+  old_error_ = "error " + describe_error(number) + ", found " + found;
 }
 
 Awaitable<Result<void>> GcsController::command(std::string text) {
-  DRIFTWISE_CO_TRY(const auto reply, co_await ask(text + "ERR?\n"));
-  DRIFTWISE_CO_TRY(const auto number, checked(parse_error_number(reply)));
+  const auto name = text.substr(0, text.find('\n'));
+  std::string reply;
+  if (holds_no_error_) {
+    DRIFTWISE_CO_TRY(reply, co_await ask(text + "ERR?\n"));
+  } else {
+    std::vector<std::string> queries{"ERR?\n", text + "ERR?\n"};
+    DRIFTWISE_CO_TRY(auto fetched, co_await fetch(std::move(queries)));
+    DRIFTWISE_CO_TRY(const auto before, co_await next(fetched, "ERR?\n"));
+    DRIFTWISE_CO_TRY(const auto old, error_number(before));
+    note_old_error(old, "before " + name + " was sent");
+    DRIFTWISE_CO_TRY(reply, co_await next(fetched, text + "ERR?\n"));
+  }
+  DRIFTWISE_CO_TRY(const auto number, error_number(reply));
   if (number == 0) co_return Result<void>{};
-  if (number == 5) referenced_ = false;
-  co_return link_.wrong_reply(refusal(number, text.substr(0, text.find('\n'))));
+  if (number == kNoReferenceOrServo) co_return co_await refused_by_error_5(name);
+  co_return link_.wrong_reply(refusal(number, name));
+}
+
+// One number for two states of the controller, and what a person does about them differs.
+Awaitable<Result<void>> GcsController::refused_by_error_5(std::string text) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await refresh_servo());
+  if (options_.referenced_by == "memory")
+    referenced_ = referenced_ && !servo_on_;
+  else
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await refresh_referenced());
+  auto error = refusal(kNoReferenceOrServo, text);
+  if (!servo_on_) {
+    error.reason = reasons::kServoOff;
+    error.message = "controller refused " + text +
+                    " with error 5, and SVO? says that the servo is "
+                    "off: look who switched it off and why; homing by a person switches it on, or "
+                    "switch it on at the controller";
+  } else if (referenced_) {
+    error.reason = reasons::kRefused;
+    error.message = "controller refused " + text +
+                    " with error 5 (not referenced or servo off), "
+                    "but says itself that the axes are referenced and the servo is on: look at the "
+                    "controller";
+  }
+  co_return link_.wrong_reply(error);
+}
+
+Awaitable<Result<void>> GcsController::refresh_servo() {
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("SVO?\n"));
+  DRIFTWISE_CO_TRY(const auto servos, checked(parse_axis_flags(reply, axes_)));
+  servo_on_ = std::all_of(servos.begin(), servos.end(), [](bool is_on) { return is_on; });
+  co_return Result<void>{};
+}
+
+// PROTOCOLS.md section 8: ERR? first, then the mask and ONT?. A controller that halts an axis at a
+// limit switch may say "on target": of where it halted.
+Awaitable<Result<void>> GcsController::look_at_end_of_motion() {
+  has_ended_ = true;
+  std::vector<std::string> queries{"ERR?\n", "SVO?\n"};
+  DRIFTWISE_CO_TRY(auto fetched, co_await fetch(std::move(queries)));
+  DRIFTWISE_CO_TRY(const auto error_text, co_await next(fetched, "ERR?\n"));
+  DRIFTWISE_CO_TRY(const auto number, error_number(error_text));
+  note_old_error(number, "at the end of a motion");
+  if (number != 0) halted_because_ = "error " + describe_error(number);
+  DRIFTWISE_CO_TRY(const auto servo_text, co_await next(fetched, "SVO?\n"));
+  DRIFTWISE_CO_TRY(const auto servos, checked(parse_axis_flags(servo_text, axes_)));
+  servo_on_ = std::all_of(servos.begin(), servos.end(), [](bool is_on) { return is_on; });
+  co_return Result<void>{};
 }
 
 Awaitable<Result<void>> GcsController::refresh_referenced() {
@@ -111,6 +182,12 @@ Awaitable<Result<MotionState>> GcsController::read_state() {
                     std::all_of(on_target.begin(), on_target.end(), [](bool flag) { return flag; });
   answers_at_rest_ = state.moving ? 0 : answers_at_rest_ + 1;
   if (answers_at_rest_ >= kAnswersAtRest) stop_owed_ = false;
+  if (!state.moving && (!has_ended_ || !state.on_target || !servo_on_))
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await look_at_end_of_motion());
+  state.on_target = state.on_target && servo_on_;
+  state.servo_on = servo_on_;
+  state.halted_because = halted_because_;
+  state.old_error = std::exchange(old_error_, {});
   co_return state;
 }
 
@@ -153,6 +230,8 @@ Awaitable<Result<void>> GcsController::start_move(std::span<const double> q_mm) 
   if (auto ready = co_await get_ready(stops_seen); !ready) co_return ready;
   // Armed before it is sent: a move whose answer got lost may have started all the same.
   trap_.commanded(clock_.now().utc);
+  halted_because_.clear();
+  has_ended_ = false;
   auto accepted = co_await command(text);
   if (accepted) trap_.commanded(clock_.now().utc);
   co_return accepted;
@@ -162,7 +241,10 @@ Awaitable<Result<void>> GcsController::start_referencing(std::int64_t stops_seen
   const auto lock = co_await mutex_.lock();
   if (auto ready = co_await get_ready(stops_seen); !ready) co_return ready;
   referenced_ = false;
+  halted_because_.clear();
+  has_ended_ = false;
   if (auto on = co_await command(encode_switch("SVO", axes_, 1)); !on) co_return on;
+  servo_on_ = true;
   trap_.commanded(clock_.now().utc);
   auto accepted = co_await command(encode_command(options_.reference, axes_));
   if (accepted) trap_.commanded(clock_.now().utc);
@@ -182,7 +264,14 @@ Awaitable<Result<void>> GcsController::home() {
     co_await clock_.sleep_for(nanoseconds_from_s(options_.home_poll_s));
     DRIFTWISE_CO_TRY(const auto now, co_await look(stops_seen, true));
     const bool done = options_.referenced_by == "memory" ? now.on_target : now.referenced;
-    if (!now.moving && done) break;
+    if (!now.moving && done && now.servo_on) break;
+    if (!now.moving && (!now.servo_on || !now.halted_because.empty()))
+      co_return link_.refused(
+          now.servo_on ? reasons::kRefused : reasons::kServoOff,
+          options_.reference + " was accepted and the controller ended it: " +
+              (now.servo_on ? std::string() : "the servo is off, ") +
+              (now.halted_because.empty() ? "no error number" : now.halted_because) +
+              "; look at the axes, the limit switches and the emergency stop");
     for (std::size_t i = 0; i < last_mm.size(); ++i) {
       if (std::abs(now.q_mm[i] - last_mm[i]) <= kProgress_mm) continue;
       last_mm[i] = now.q_mm[i];
@@ -205,6 +294,7 @@ Awaitable<Result<void>> GcsController::stop() {
   ++stops_;
   stop_owed_ = true;
   answers_at_rest_ = 0;
+  holds_no_error_ = false;
   const std::string_view stop_byte(&kStopByte, 1);
   // A second stop halts again but leaves the first one's tidying alone: cut in the middle of it,
   // two equal answers would be under way and the line out of step.
@@ -213,10 +303,17 @@ Awaitable<Result<void>> GcsController::stop() {
   else
     link_.write_now(stop_byte);
   ++stopping_;
+  const std::int64_t own_stop = stops_;
   const auto lock = co_await mutex_.lock();
-  auto tidied = co_await tidy_after_stop();
+  // One tidying is under way at most, and the next one is that of every stop that came meanwhile:
+  // they queue for the line, and one is worth as much as many.
+  if (tidied_stops_ < own_stop) {
+    const std::int64_t all_stops = stops_;
+    tidied_ = co_await tidy_after_stop();
+    tidied_stops_ = all_stops;
+  }
   --stopping_;
-  co_return tidied;
+  co_return tidied_;
 }
 
 Awaitable<Result<void>> GcsController::tidy_after_stop() {
@@ -226,8 +323,13 @@ Awaitable<Result<void>> GcsController::tidy_after_stop() {
   // 0x18 leaves error 10 behind; ours is the only command that may still have failed before it.
   for (int i = 0; i < kMaxErrorReads; ++i) {
     DRIFTWISE_CO_TRY(const auto number, co_await take_error_number());
-    if (number == kStoppedError) trap_.disarm();  // a move not yet begun is cancelled as well
     if (number == 0) break;
+    if (number == kStoppedError)
+      trap_.disarm();  // a move not yet begun is cancelled as well
+    else {
+      note_old_error(number, "after a stop");
+      halted_because_ = "error " + describe_error(number);
+    }
   }
   co_return Result<void>{};
 }

@@ -1,5 +1,6 @@
 // How a controller is found and made ready after every new connection, and how one that did not
-// answer in time shows whether it has been switched off and on meanwhile.
+// answer in time shows whether it has been switched off and on meanwhile. Nothing here gives a
+// drive its current.
 
 #include <algorithm>
 #include <cstdio>
@@ -54,12 +55,14 @@ Awaitable<Result<void>> GcsController::set_up() {
   if (auto ours = claim(serial_number_key(identity_text)); !ours) co_return ours;
   DRIFTWISE_CO_TRY(const auto old,
                    co_await take_error_number());  // of the stop, or of an earlier client
-  if (old == kStoppedError) trap_.disarm();
-  if (is_known) {
-    DRIFTWISE_CO_TRY(const bool has_kept_it, co_await has_kept_its_servo());
-    if (has_kept_it) co_return co_await refresh_referenced();
-    referenced_ = false;
-  }
+  if (old == kStoppedError)
+    trap_.disarm();
+  else
+    note_old_error(old, "when it was set up");
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await refresh_servo());
+  // Off in a controller that was switched on again: it then has lost the rest of its set-up too.
+  if (is_known && servo_on_) co_return co_await refresh_referenced();
+  if (is_known) referenced_ = false;
 
   DRIFTWISE_CO_TRY(const auto names_text, co_await ask("SAI?\n"));
   DRIFTWISE_CO_TRY(const auto names, checked(parse_axis_names(names_text)));
@@ -71,7 +74,6 @@ Awaitable<Result<void>> GcsController::set_up() {
   if (options_.travel_query) {
     if (auto inside = co_await check_travel(); !inside) co_return inside;
   }
-  if (auto on = co_await command(encode_switch("SVO", axes_, 1)); !on) co_return on;
   if (options_.velocity_mm_s > 0) {
     char value[40];
     std::snprintf(value, sizeof value, " %.9g", options_.velocity_mm_s);
@@ -85,13 +87,6 @@ Awaitable<Result<void>> GcsController::set_up() {
   }
   if (auto known = co_await refresh_referenced(); !known) co_return known;
   co_return Result<void>{};
-}
-
-// Off in a controller that was switched on again: it then has lost the rest of its set-up too.
-Awaitable<Result<bool>> GcsController::has_kept_its_servo() {
-  DRIFTWISE_CO_TRY(const auto reply, co_await ask("SVO?\n"));
-  DRIFTWISE_CO_TRY(const auto servos, checked(parse_axis_flags(reply, axes_)));
-  co_return std::all_of(servos.begin(), servos.end(), [](bool is_on) { return is_on; });
 }
 
 // The soft limits are ours, the travel is the controller's: ours must lie inside.

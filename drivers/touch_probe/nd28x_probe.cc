@@ -35,6 +35,7 @@ Result<Options> read_options(const DeviceDescription& device) {
   out.sign = reader.choice("direction", "up", {"up", "down"}) == "up" ? 1 : -1;
   out.contact_min_mm = reader.number("contact_min_mm", out.contact_min_mm, -1000, 1000);
   out.contact_max_mm = reader.number("contact_max_mm", out.contact_max_mm, -1000, 1000);
+  out.keeps_value = reader.on_off("keeps_value", out.keeps_value);
   out.asks_identity = reader.on_off("identity", out.asks_identity);
   out.serial = transport::read_serial_settings(reader, out.serial);
   DRIFTWISE_RETURN_IF_ERROR(reader.finish());
@@ -54,6 +55,10 @@ Nd28xProbe::Nd28xProbe(DeviceDescription device, const Options& options,
       options_(options) {}
 
 Awaitable<Result<void>> Nd28xProbe::set_up() {
+  if (zero_mm_ && !options_.keeps_value) {
+    zero_mm_.reset();
+    has_lost_zero_ = true;
+  }
   // An identity is told from a value. Without one a value may be the answer to a question of
   // before, which a serial server gives to whoever is connected.
   if (!options_.asks_identity) co_return co_await link_.await_silence(timeout_);
@@ -83,6 +88,12 @@ bool Nd28xProbe::is_in_contact(const std::vector<double>& values_mm) const {
 
 Awaitable<Result<Reading>> Nd28xProbe::read() {
   DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
+  if (has_lost_zero_)
+    co_return fail(ErrorCode::failed_precondition, reasons::kBeamLost,
+                   "device '" + device_.id + "' at " + device_.address +
+                       ": an answer did not come or the line broke since the last zero, and the "
+                       "read-out may have lost its mains: zero again (option keeps_value = \"on\": "
+                       "its value is absolute, also after that)");
   Reading out;
   out.device = device_.id;
   out.start = clock_.now().utc;
@@ -111,6 +122,7 @@ Awaitable<Result<void>> Nd28xProbe::zero() {
     co_return link_.refused(reasons::kOutOfRange, text);
   }
   zero_mm_ = mean_mm(values_mm);
+  has_lost_zero_ = false;
   co_return Result<void>{};
 }
 

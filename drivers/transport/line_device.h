@@ -4,9 +4,10 @@
 // line back in step.
 //
 // Mutual exclusion of calls to one device is the caller's (server/core/ports/device.h): one call at
-// a time. Devices on one serial line take turns: every call holds its Turn. All on the executor's
-// thread.
+// a time. Devices at one address, a serial line or a serial server, take turns: every call holds
+// its Turn. All on the executor's thread.
 
+#include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "drivers/transport/address.h"
+#include "drivers/transport/as_tuple.h"
 #include "drivers/transport/link.h"
 #include "drivers/transport/shared_line.h"
 #include "server/core/reasons.h"
@@ -28,6 +30,9 @@ struct LineFormat {
   std::string resync_prefix = {};
   Framing framing = line_reply;
   SerialSettings serial = {};
+  // A program behind a TCP address that answers each connection for itself: no serial line is
+  // behind it, and nobody waits for another's turn.
+  bool answers_each_connection = false;
   // Knows the answer to resync_request; empty: the line that know_identity() was given.
   std::function<bool(std::string_view line)> is_resync_reply = {};
 };
@@ -53,7 +58,10 @@ class LineDevice : public Port {
         clock_(clock),
         end_of_command_(format.end_of_command),
         timeout_(nanoseconds_from_s(device_.timeout_s)),
-        line_(line_at(address, executor, shared)),
+        lines_(lines_of(executor,
+                        format.answers_each_connection && is_tcp(address) ? nullptr : shared)),
+        is_behind_tcp_(is_tcp(address)),
+        key_(address, device_.address),
         link_(executor, clock, settings_of(format), make_stream(executor, address, format.serial)) {
   }
 
@@ -64,21 +72,28 @@ class LineDevice : public Port {
   // The line is this device's as long as it lives: to the end of a call.
   class [[nodiscard]] Turn {
    public:
-    Turn(LineDevice& device, AsyncMutex::Lock lock)
-        : device_(&device), lock_(std::move(lock)), lost_steps_(device.link_.lost_steps()) {}
+    Turn(LineDevice& device, std::shared_ptr<SharedLine> line, AsyncMutex::Lock lock)
+        : device_(&device),
+          line_(std::move(line)),
+          lock_(std::move(lock)),
+          lost_steps_(device.link_.lost_steps()) {}
     Turn(Turn&& other) noexcept
         : device_(std::exchange(other.device_, nullptr)),
+          line_(std::move(other.line_)),
           lock_(std::move(other.lock_)),
           lost_steps_(other.lost_steps_) {}
     Turn& operator=(Turn&&) = delete;
     ~Turn() {
       if (device_ == nullptr) return;
-      if (device_->link_.lost_steps() != lost_steps_) ++device_->line_->disturbances;
-      device_->disturbances_seen_ = device_->line_->disturbances;
+      if (device_->link_.lost_steps() != lost_steps_) ++line_->disturbances;
+      device_->disturbances_seen_ = line_->disturbances;
+      line_->last_user = device_;
+      line_->last_end = std::chrono::steady_clock::now();
     }
 
    private:
     LineDevice* device_;
+    std::shared_ptr<SharedLine> line_;
     AsyncMutex::Lock lock_;
     std::int64_t lost_steps_;
   };
@@ -86,19 +101,35 @@ class LineDevice : public Port {
   // Connected and set up, and nobody else's turn: at the beginning of every call, which keeps what
   // it gets.
   Awaitable<Result<Turn>> take_turn() {
-    auto lock = co_await line_->turn.lock();
-    // An answer to another device of this line may still come, and what made that one late may have
-    // reset ours.
-    if (disturbances_seen_ != line_->disturbances && link_.connected()) {
-      link_.lose_set_up();
-      if (resyncs_)
-        link_.lose_step();
-      else
-        link_.close();
+    for (;;) {
+      const auto key = key_.now(link_.peer_key());
+      const auto line = lines_->at(key);
+      if (std::exchange(line_, line) != line) disturbances_seen_ = line->disturbances;
+      auto lock = co_await line->turn.lock();
+      // An answer to another device of this line may still come, and what made that one late may
+      // have reset ours.
+      if (disturbances_seen_ != line->disturbances && link_.connected()) {
+        link_.lose_set_up();
+        if (resyncs_)
+          link_.lose_step();
+        else
+          link_.close();
+      }
+      co_await let_copies_arrive(*line);
+      Turn turn(*this, line, std::move(lock));
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await link_.connect(timeout_));
+      // Which line it is may be known only now.
+      if (key_.now(link_.peer_key()) != key) continue;
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+      co_return turn;
     }
-    Turn turn(*this, std::move(lock));
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
-    co_return turn;
+  }
+  // A serial server sends what another device was answered to this connection as well, a moment
+  // later or earlier. What has arrived when a question is asked is thrown away.
+  Awaitable<void> let_copies_arrive(const SharedLine& line) {
+    if (!is_behind_tcp_ || line.last_user == nullptr || line.last_user == this) co_return;
+    asio::steady_timer pause(co_await asio::this_coro::executor, line.last_end + kShortestTimeout);
+    (void)co_await pause.async_wait(kAsTuple);
   }
   Awaitable<Result<void>> get_ready() {
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await link_.connect(timeout_));
@@ -166,7 +197,12 @@ class LineDevice : public Port {
     return out;
   }
 
-  const std::shared_ptr<SharedLine> line_;
+  static bool is_tcp(const Address& address) { return std::holds_alternative<TcpAddress>(address); }
+
+  const std::shared_ptr<SharedLines> lines_;
+  const bool is_behind_tcp_;
+  LineKey key_;
+  std::shared_ptr<SharedLine> line_;  // of the last turn
   std::string identity_line_;
   bool resyncs_ = false;
   std::int64_t set_up_generation_ = 0;  // connection on which it was last set up

@@ -69,7 +69,10 @@ class SerialStream final : public ByteStream {
     port_.cancel(ignored);
   }
 
+  // The kernel waits in close() until the other side has taken what was written: with XON/XOFF for
+  // up to 30 s (closing_wait). What was not sent is dropped instead.
   void close() override {
+    if (port_.is_open()) ::tcflush(port_.native_handle(), TCOFLUSH);
     error_code ignored;
     port_.close(ignored);
   }

@@ -16,12 +16,26 @@ std::string shared_key(const Address& address, const std::string& text) {
   return "serial:" + (error ? serial->path : path.string());
 }
 
-std::shared_ptr<SharedLine> line_at(const Address& address, asio::any_io_executor executor,
-                                    SharedByAddress* shared) {
-  const auto make = [&] { return std::make_shared<SharedLine>(executor); };
-  const auto* serial = std::get_if<SerialAddress>(&address);
-  if (!serial || !shared) return make();
-  return shared->find_or<SharedLine>(shared_key(address, serial->path), make);
+std::shared_ptr<SharedLine> SharedLines::at(const std::string& key) {
+  auto& place = lines_[key];
+  if (auto found = place.lock()) return found;
+  auto made = std::make_shared<SharedLine>(executor_);
+  place = made;
+  return made;
+}
+
+std::shared_ptr<SharedLines> lines_of(asio::any_io_executor executor, SharedByAddress* shared) {
+  const auto make = [&] { return std::make_shared<SharedLines>(executor); };
+  return shared ? shared->find_or<SharedLines>("every line", make) : make();
+}
+
+const std::string& LineKey::now(std::string peer_key) {
+  if (!peer_key.empty()) {
+    key_ = std::move(peer_key);
+  } else if (key_.empty() || std::holds_alternative<SerialAddress>(address_)) {
+    key_ = shared_key(address_, text_);
+  }
+  return key_;
 }
 
 }  // namespace driftwise::transport

@@ -215,14 +215,7 @@ std::vector<DeviceBench::Slot*> DeviceBench::controllers() {
 Awaitable<Result<MotionState>> DeviceBench::motion_state() {
   DRIFTWISE_CO_TRY(auto states, co_await motion_states());
   MotionState all = std::move(states.front());
-  for (std::size_t i = 1; i < states.size(); ++i) {
-    const auto& one = states[i];
-    all.at = std::max(all.at, one.at);
-    all.q_mm.insert(all.q_mm.end(), one.q_mm.begin(), one.q_mm.end());
-    all.moving = all.moving || one.moving;
-    all.referenced = all.referenced && one.referenced;
-    all.on_target = all.on_target && one.on_target;
-  }
+  for (std::size_t i = 1; i < states.size(); ++i) all.join(states[i]);
   co_return all;
 }
 
@@ -323,6 +316,8 @@ Awaitable<void> DeviceBench::look_for_motion(Slot& slot, MotionState state) {
   const auto before = *slot.watch;
   const auto moved = slot.watch->look(state);
   if (!moved) co_return;
+  // What the controller says of itself needs no second witness.
+  if (moved->kind != MotionFinding::Kind::moved) co_return on_uncommanded_(*moved);
   auto asking = instruments_say_(expected_mm(slot, before));
   const bool are_there = co_await std::move(asking);
   if (!are_there) co_return on_uncommanded_(*moved);
@@ -331,7 +326,7 @@ Awaitable<void> DeviceBench::look_for_motion(Slot& slot, MotionState state) {
 
 void DeviceBench::watch_motion(double limit_nm,
                                std::function<Awaitable<bool>(std::vector<double>)> instruments_say,
-                               std::function<void(const std::string&)> on_uncommanded) {
+                               std::function<void(const MotionFinding&)> on_uncommanded) {
   instruments_say_ = std::move(instruments_say);
   on_uncommanded_ = std::move(on_uncommanded);
   for (auto* slot : controllers()) {

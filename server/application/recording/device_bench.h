@@ -71,12 +71,13 @@ class DeviceBench {
   LoopTuning declared_tuning(std::size_t device) const;
   Awaitable<Result<LoopTuning>> set_tuning(std::size_t device, LoopTuning wanted);
 
-  // Motion that nobody here commanded is told from now on, once each time (motion_watch.h), from
+  // Motion that nobody here commanded, or that the controller ended, is told from now on, once each
+  // time (motion_watch.h), from
   // within the call that saw it. instruments_say: whether the axes are there by what the
   // interferometers measure; false also where that is not known.
   void watch_motion(double limit_nm,
                     std::function<Awaitable<bool>(std::vector<double> q_mm)> instruments_say,
-                    std::function<void(const std::string&)> on_uncommanded);
+                    std::function<void(const MotionFinding&)> on_uncommanded);
   // Of every controller, by its place among them, all asked at the same time. Where one gives no
   // answer the others that are moving are halted. Errors besides the devices': NO_CONTROLLER;
   // IMPLAUSIBLE (server/application/recording/doubts.h), also in load_state.
@@ -158,7 +159,7 @@ class DeviceBench {
   OnChange on_change_;
   std::function<Result<void>()> gate_ = [] { return Result<void>{}; };
   std::function<Awaitable<bool>(std::vector<double>)> instruments_say_;
-  std::function<void(const std::string&)> on_uncommanded_;
+  std::function<void(const MotionFinding&)> on_uncommanded_;
   std::vector<std::unique_ptr<Slot>> slots_;
   SetupInUse setup_;
   std::array<std::vector<std::size_t>, static_cast<std::size_t>(DeviceRole::supply) + 1> by_role_;

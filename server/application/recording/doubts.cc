@@ -48,6 +48,7 @@ JudgedReading Doubts::judge(Reading answer) {
 }
 
 Result<void> Doubts::judge(const DeviceDescription& controller, const MotionState& state) {
+  note_controller(controller, state);
   if (!state.referenced) return {};
   Reading answer{controller.id, state.at, state.at, 0, {}};
   for (std::size_t i = 0; i < std::min(controller.axes().size(), state.q_mm.size()); ++i)
@@ -57,6 +58,32 @@ Result<void> Doubts::judge(const DeviceDescription& controller, const MotionStat
   auto error = implausible(reading.rejected.front().reason);
   writer_.add(std::move(reading));
   return tl::unexpected(std::move(error));
+}
+
+// What a controller says of itself. A servo that is off before the axes are referenced has not been
+// switched on yet.
+void Doubts::note_controller(const DeviceDescription& controller, const MotionState& state) {
+  if (!state.old_error.empty())
+    events_.record_own("motion.controller_error",
+                       fmt::format("{} at {} reported {}: it is no answer to a command of this "
+                                   "daemon",
+                                   controller.id, controller.address, state.old_error));
+  const auto subject = "servo of " + controller.id;
+  if (state.servo_on || !state.referenced) {
+    if (standing_.erase(subject) == 0) return;
+    if (state.servo_on) events_.record_own("motion.servo_on", "the " + subject + " is on again");
+    on_news_();
+    return;
+  }
+  auto& standing = standing_[subject];
+  const bool is_new = standing.kind.empty();
+  standing = {"motion.servo_off",
+              fmt::format("the servo of {} at {} is off although its axes are referenced: look who "
+                          "switched it off and why. Nothing switches it on by itself: home, or "
+                          "switch it on at the controller",
+                          controller.id, controller.address),
+              clock_.now().utc, false};
+  if (is_new) on_news_();
 }
 
 JudgedReading Doubts::judged(const DeviceDescription& load, const LoadState& state,

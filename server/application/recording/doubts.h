@@ -81,6 +81,7 @@ class Doubts {
   };
   void begin(const std::string& subject, const std::string& kind, const std::string& message);
   void end(const std::string& subject);
+  void note_controller(const DeviceDescription& controller, const MotionState& state);
   bool may_freeze(const DeviceDescription& device) const;
   Error implausible(const std::string& sentence) const;
   // Axes of the robot that this channel is of.
@@ -96,7 +97,8 @@ class Doubts {
   plausibility::GeometryJudge geometry_;
   plausibility::FrozenInMotion moved_;
   std::optional<DatumRecord> datum_;
-  std::map<std::string, Standing> standing_;  // by channel, or "pose", "readback", "zero"
+  // By channel, or "pose", "readback", "zero", "servo of <controller>".
+  std::map<std::string, Standing> standing_;
   std::optional<Suspicion> suspicion_;
 };
 

@@ -42,15 +42,33 @@ std::optional<std::string> MotionWatch::farther_than_limit(const MotionState& st
   return std::nullopt;
 }
 
-std::optional<std::string> MotionWatch::look(const MotionState& state) {
+std::optional<MotionFinding> MotionWatch::look(const MotionState& state) {
+  using Kind = MotionFinding::Kind;
+  // Without current an axis sinks to where springs and weight take it: nobody moved it.
+  if (!state.servo_on) {
+    const bool was_expected = std::exchange(expected_, Expected::anything) != Expected::anything;
+    forget();
+    if (!was_expected) return std::nullopt;
+    return MotionFinding{Kind::servo_off, state.halted_because.empty()
+                                              ? std::string("the controller gives no reason")
+                                              : "the controller's reason: " + state.halted_because};
+  }
   const bool lost = !state.referenced;
   if (lost && expected_ == Expected::at_rest) forget();  // it counts from somewhere else now
   const bool rests = !state.moving && state.on_target;
   std::optional<std::string> moved;
+  auto kind = Kind::moved;
   if (expected_ == Expected::at_rest) {
     moved = farther_than_limit(state, "an axis moved that nobody told to: at rest at");
-  } else if (expected_ == Expected::under_way && rests) {
-    auto there = farther_than_limit(state, "the controller is on target elsewhere: commanded");
+  } else if (expected_ == Expected::under_way && !state.moving &&
+             (rests || !state.halted_because.empty())) {
+    const bool is_halt = !state.halted_because.empty();
+    auto there = farther_than_limit(
+        state, is_halt ? "commanded" : "the controller is on target elsewhere: commanded");
+    if (there && is_halt) {
+      kind = Kind::halted;
+      *there += ": " + state.halted_because;
+    }
     const bool was_elsewhere = std::exchange(elsewhere_, there.has_value());
     if (there && !was_elsewhere) return std::nullopt;
     moved = std::move(there);
@@ -59,7 +77,7 @@ std::optional<std::string> MotionWatch::look(const MotionState& state) {
   }
   if (moved) {
     forget();
-    return moved;
+    return MotionFinding{kind, *std::move(moved)};
   }
   if (rests && expected_ != Expected::at_rest) {
     expected_ = Expected::at_rest;

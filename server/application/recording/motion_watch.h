@@ -1,6 +1,6 @@
 #pragma once
-// Motion that this daemon did not command: each answer of the controller is compared with what was
-// commanded last. Pure.
+// Motion that this daemon did not command, and commanded motion that the controller ended itself:
+// each answer of the controller is compared with what was commanded last. Pure.
 //
 // Two computers cannot see each other's locks (server/locks), a controller may have a hand wheel,
 // and an axis may run away: all of them show here and nowhere else.
@@ -14,6 +14,16 @@
 #include "server/core/ports/motion_controller.h"
 
 namespace driftwise::application {
+
+struct MotionFinding {
+  enum class Kind {
+    moved,      // the axes moved without a command: somebody else, or they ran away
+    halted,     // the controller ended the commanded motion, and says why
+    servo_off,  // a drive lost its current: an emergency stop, a person, the controller itself
+  };
+  Kind kind = Kind::moved;
+  std::string sentence;
+};
 
 class MotionWatch {
  public:
@@ -31,10 +41,10 @@ class MotionWatch {
   void released();
   // The controller could not be asked: a move under way may have been ended by its own watchdog.
   void lost();
-  // A sentence when the axes have moved without a command, once: afterwards as released(). Another
-  // target than the commanded one counts when it is seen twice in succession: an answer may be
-  // made of a position and a flag that are not of one instant.
-  std::optional<std::string> look(const MotionState& state);
+  // What became of the axes without a command, once: afterwards as released(). Another target than
+  // the commanded one counts when it is seen twice in succession: an answer may be made of a
+  // position and a flag that are not of one instant.
+  std::optional<MotionFinding> look(const MotionState& state);
   // Where the axes should be, as far as that is known; else empty.
   const std::vector<double>& expected_mm() const { return q_mm_; }
   // Of commanded(), released() and lost(): an answer that was on its way at one is not looked at.

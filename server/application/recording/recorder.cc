@@ -11,6 +11,20 @@
 #include "server/core/try.h"
 
 namespace driftwise::application {
+namespace {
+
+// The air that an interferometer reads beside its length.
+JudgedReading environment_of(JudgedReading reading) {
+  const auto is_not_air = [](const std::string& channel) {
+    const auto parsed = parse_robot_channel(channel);
+    return !parsed || !(parsed->unit == "degC" || parsed->unit == "Pa" || parsed->unit == "hPa");
+  };
+  std::erase_if(reading.values, [&](const auto& one) { return is_not_air(one.channel); });
+  std::erase_if(reading.rejected, [&](const auto& one) { return is_not_air(one.channel); });
+  return reading;
+}
+
+}  // namespace
 
 Recorder::Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& bench,
                    StoreWriter& writer, EventLog& events, LagMeter& lag, const PoseStage& pose,
@@ -73,12 +87,19 @@ Awaitable<void> Recorder::read_for_ever(std::size_t device) {
   const bool is_run_s = is_read_by_runs(bench_.description(device).role());
   const bool is_stored = bench_.description(device).period_s > 0;
   auto due = clock_.now().utc;
+  auto environment_due = due;
   while (!ending_) {
     if (!is_run_s || !lent_) {
       // What fails is told by the bench, and tried again next period.
       if (auto reading = co_await bench_.read(device)) {
         observe(*reading);
-        if (is_stored || stores_idle_) writer_.add(std::move(*reading));
+        if (is_stored || stores_idle_) {
+          writer_.add(std::move(*reading));
+        } else if (const auto now = clock_.now().utc; now >= environment_due) {
+          environment_due = now + nanoseconds_from_s(kEnvironmentPeriod_s);
+          auto environment = environment_of(std::move(*reading));
+          if (!environment.values.empty()) writer_.add(std::move(environment));
+        }
       }
     }
     // A late reading does not make the next ones come in a burst: periods that have passed are left

@@ -3,9 +3,10 @@
 // minutes, hands every reading to the store and to watchers. The axes, an interferometer or an
 // autocollimator are read here only while no run uses them: the run's own readings come in through
 // observe(). Between runs those without a period of their own are read every kIdlePeriod_s, shown,
-// and stored only while the cell is at rest by a person's word. The store
-// keeps what a device said under the device's own channels; live values show it under raw names
-// where the cell corrects it (x_path_mm), and the pose beside it.
+// and stored only while the cell is at rest by a person's word; the air that they read is stored
+// every kEnvironmentPeriod_s. The store keeps what a device said under the device's own channels;
+// live values show it under raw names where the cell corrects it (x_path_mm), and the pose beside
+// it.
 
 #include <functional>
 #include <span>
@@ -46,7 +47,7 @@ class Recorder {
   WatchList<Reading>& watchers() { return watchers_; }
 
  private:
-  static constexpr double kIdlePeriod_s = 2.0;
+  static constexpr double kIdlePeriod_s = 2.0, kEnvironmentPeriod_s = 20.0;
   Awaitable<void> read_for_ever(std::size_t device);
   Awaitable<void> flush_for_ever();
   double period_s(std::size_t device) const;  // 0: never read here

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/core/records/audit_records.h"
@@ -34,6 +35,8 @@ class AuditStore {
   // chain. Errors: already_exists FILE_EXISTS, cancelled GAVE_WAY, those of the disk.
   virtual Result<RecordCopy> back_up(const std::string& path,
                                      const std::function<bool()>& give_way) = 0;
+  // Of the record in a file, as RecordStore::database_id(); empty: it cannot be told.
+  virtual std::string record_in(const std::string& path) = 0;
   // One step of thinning, in one transaction with its entry of the chain: of the next few thousand
   // readings, those of the environment that no attempt, point or rejected value refers to become
   // one row per device and interval. Errors: invalid_argument BAD_REDUCER, BAD_RANGE.

@@ -28,7 +28,7 @@ class MetadataStore {
   // Errors: not_found NO_SUCH_RUN.
   virtual Result<RunRecord> tag(RunId run, const RunMetadata& set,
                                 const std::vector<std::string>& removed) = 0;
-  // Runs that have all of these, newest first; none given: every run.
+  // Runs that have all of these, newest first; none given: every run. As RunStore::runs().
   virtual Result<std::vector<RunRecord>> find_runs(const RunMetadata& all_of, int limit,
                                                    std::int64_t before_id /* 0: newest */) = 0;
 };

@@ -40,6 +40,7 @@ class RunStore {
   virtual Result<RunRecord> create_run(const NewRun& run) = 0;
   virtual Result<void> change_run(RunId run, const RunChange& change) = 0;
   virtual Result<RunRecord> run(RunId run) = 0;
+  // Newest first, without the texts of their trajectories: run() has that.
   virtual Result<std::vector<RunRecord>> runs(int limit,
                                               std::int64_t before_id /* 0: newest */) = 0;
   virtual Result<std::optional<RunRecord>>

@@ -44,7 +44,8 @@ class AlarmStore {
 class SeriesStore {
  public:
   virtual ~SeriesStore() = default;
-  // Errors: not_found NO_SUCH_RUN; invalid_argument NO_SUCH_CHANNEL (never recorded).
+  // A channel that was never recorded has an empty column, which says so. Errors: not_found
+  // NO_SUCH_RUN.
   virtual Result<SeriesAnswer> series(const SeriesQuery& query) = 0;
   // Takes some of the readings stored since the last time into the summaries that make series()
   // quick. True: there are more. Costs about 20 ms.

@@ -46,10 +46,22 @@ TEST(NutCodec, StatusIsAListOfWordsOfWhichSomeAreUnknown) {
   EXPECT_FALSE(parse_status("OB DISCHRG")->low_battery);
   EXPECT_TRUE(parse_status("OB LB")->low_battery);
   EXPECT_TRUE(parse_status("FSD OB")->low_battery);
+  EXPECT_TRUE(parse_status("OB LB DISCHRG")->low_battery);
+  EXPECT_TRUE(parse_status("FSD")->low_battery);
   EXPECT_TRUE(parse_status("ALARM OL RB"));
   EXPECT_EQ(parse_status("WAIT").error().reason, "UPS_STALE");  // upsd itself has just started
   EXPECT_EQ(parse_status("CHRG").error().reason, "BAD_REPLY");
   EXPECT_EQ(parse_status("").error().reason, "BAD_REPLY");
+}
+
+// After a long power cut the battery is charged for hours, and upsd says so: nothing is about to
+// go.
+TEST(NutCodec, ALowBatteryBesideMainsIsNoReasonToEnd) {
+  for (const char* status : {"OL CHRG LB", "OL LB", "LB CHRG OL", "OL RB LB", "FSD OL"}) {
+    ASSERT_TRUE(parse_status(status)) << status;
+    EXPECT_FALSE(parse_status(status)->low_battery) << status;
+    EXPECT_FALSE(parse_status(status)->on_battery) << status;
+  }
 }
 
 TEST(NutCodec, QuantitiesAreNumbersFromZeroUp) {

@@ -59,10 +59,41 @@ TEST_F(TouchProbeLoop, CountsFromItsZeroInItsDirection) {
   EXPECT_NEAR(*reading->find("z_mm"), 0.01, 1e-12);
 }
 
-TEST_F(TouchProbeLoop, KeepsItsZeroOverABrokenLine) {
+// A read-out that lost its mains counts from where the tip was then, and looks as before.
+TEST_F(TouchProbeLoop, LosesItsZeroOverABrokenLineUntilItIsZeroedAgain) {
+  peer.on_connection(known_and({expect("\x02"), send("+    1.00000 \r\n")}));
+  peer.on_connection(known_and(
+      {expect("\x02"), send("+    0.25000 \r\n"), expect("\x02"), send("+    0.50000 \r\n")}));
+  auto made = make(touch());
+  ASSERT_TRUE(made);
+  auto& probe = *made->as<Instrument>();
+  ASSERT_TRUE(run(probe.zero()));
+  made->device().close();
+  const auto lost = run(probe.read());
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().reason, "BEAM_LOST") << "a run opens a new datum";
+  EXPECT_THAT(lost.error().message, HasSubstr("keeps_value"));
+  EXPECT_FALSE(probe.knows_its_zero());
+  ASSERT_TRUE(run(probe.zero()));
+  EXPECT_TRUE(probe.knows_its_zero());
+  EXPECT_NEAR(*run(probe.read())->find("z_mm"), 0.25, 1e-12);
+}
+
+TEST_F(TouchProbeLoop, LosesItsZeroWithAnAnswerThatDidNotCome) {
+  peer.on_connection(known_and({expect("\x02"), send("+    1.00000 \r\n"), expect("\x02")}));
+  peer.on_connection(known_and({}));
+  auto made = make(touch());
+  ASSERT_TRUE(made);
+  auto& probe = *made->as<Instrument>();
+  ASSERT_TRUE(run(probe.zero()));
+  EXPECT_EQ(run(probe.read()).error().reason, "TIMEOUT");
+  EXPECT_EQ(run(probe.read()).error().reason, "BEAM_LOST");
+}
+
+TEST_F(TouchProbeLoop, KeepsItsZeroOverABrokenLineWhereItsValueIsDeclaredAbsolute) {
   peer.on_connection(known_and({expect("\x02"), send("+    1.00000 \r\n")}));
   peer.on_connection(known_and({expect("\x02"), send("+    1.25000 \r\n")}));
-  auto made = make(touch());
+  auto made = make(touch({{"keeps_value", "on"}}));
   ASSERT_TRUE(made);
   ASSERT_TRUE(run(made->as<Instrument>()->zero()));
   made->device().close();

@@ -32,9 +32,9 @@ class GcsClaims : public tests::DriverFixture {
   // A number of its own for each test process: these locks are the whole computer's.
   const std::string identity = "PI, C-887, " + std::to_string(getpid()) + ", 2.1\n";
   Script set_up() const {
-    return {expect("*IDN?\n"), send(identity), expect("ERR?\n"),          send("0\n"),
-            expect("SAI?\n"),  send("X\n"),    expect("TMN?\n"),          send("X=-3\n"),
-            expect("TMX?\n"),  send("X=3\n"),  expect("SVO X 1\nERR?\n"), send("0\n"),
+    return {expect("*IDN?\n"), send(identity), expect("ERR?\n"), send("0\n"),
+            expect("SVO?\n"),  send("X=1\n"),  expect("SAI?\n"), send("X\n"),
+            expect("TMN?\n"),  send("X=-3\n"), expect("TMX?\n"), send("X=3\n"),
             expect("FRF?\n"),  send("X=1\n")};
   }
 };
