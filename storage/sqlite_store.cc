@@ -131,8 +131,8 @@ class SqliteStore final : public Store {
     keep_old_version(db);
     const auto before = db.pragma("user_version");
     migrate(db);
-    constexpr int kRepeatedPoints = 13;  // the view leaves them out
-    if (before != 0 && before < kRepeatedPoints) rebuild_point_wide(db);
+    constexpr int kPassages = 15;  // the last version that changed what the view says
+    if (before != 0 && before < kPassages) rebuild_point_wide(db);
     session_.at_commit = nullptr;
     chain_.reset();  // it refers to what is made anew
     chain_.emplace(db, protected_.emplace(db));
@@ -212,7 +212,11 @@ Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, bool r
 Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, bool read_only,
                                                  const SqliteOptions& options) {
   return answered([&]() -> std::unique_ptr<Store> {
-    return std::make_unique<SqliteStore>(path, read_only, options);
+    const bool is_file = options.vfs.empty() && path != ":memory:";
+    if (!read_only && is_file) refuse_unfinished_restore(path);
+    auto store = std::make_unique<SqliteStore>(path, read_only, options);
+    if (!read_only && is_file) remove_second_names(path);
+    return store;
   });
 }
 

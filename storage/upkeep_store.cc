@@ -2,34 +2,13 @@
 
 #include "server/core/reasons.h"
 #include "storage/audit/record_copy.h"
+#include "storage/sqlite/gives_way.h"
 
 namespace driftwise::storage {
 namespace {
 
-constexpr int kOpsBetweenLooks = 5'000;  // of SQLite's machine: about a millisecond
 constexpr int kTroublesTold = 3;
 constexpr int kNewestPoints = 100;
-
-// Asks give_way while a statement runs, and ends it when that says so.
-class GivesWay {
- public:
-  GivesWay(Database& db, const std::function<bool()>& give_way) : db_(db), give_way_(give_way) {
-    sqlite3_progress_handler(db_.handle(), kOpsBetweenLooks, &GivesWay::asked, this);
-  }
-  ~GivesWay() { sqlite3_progress_handler(db_.handle(), 0, nullptr, nullptr); }
-  GivesWay(const GivesWay&) = delete;
-  bool gave_way() const { return gave_way_; }
-
- private:
-  static int asked(void* self) {
-    auto& one = *static_cast<GivesWay*>(self);
-    one.gave_way_ = one.give_way_ && one.give_way_();
-    return one.gave_way_ ? 1 : 0;
-  }
-  Database& db_;
-  const std::function<bool()>& give_way_;
-  bool gave_way_ = false;
-};
 
 std::string quoted(const std::string& name) {
   std::string out = "\"";

@@ -78,6 +78,10 @@ Result<ChainReport> SqliteAuditStore::verify(const std::optional<ChainHead>& out
   });
 }
 
+std::string SqliteAuditStore::record_in(const std::string& path) {
+  return identity_of_record(path);
+}
+
 Result<RecordCopy> SqliteAuditStore::back_up(const std::string& path,
                                              const std::function<bool()>& give_way) {
   return answered([&] { return copy_record(session_.db, path, give_way); });

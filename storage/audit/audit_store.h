@@ -18,6 +18,7 @@ class SqliteAuditStore final : public AuditStore {
                              const std::function<bool()>& give_way) override;
   Result<RecordCopy> back_up(const std::string& path,
                              const std::function<bool()>& give_way) override;
+  std::string record_in(const std::string& path) override;
   Result<ThinningStep> thin(const ThinningOrder& order) override;
 
  private:

@@ -6,9 +6,12 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "server/core/reasons.h"
 #include "server/digest/sha256.h"
@@ -17,6 +20,7 @@
 #include "storage/sqlite/database_lock.h"
 #include "storage/sqlite/failure.h"
 #include "storage/sqlite/file_owner.h"
+#include "storage/sqlite/gives_way.h"
 #include "storage/sqlite/present_file.h"
 
 namespace driftwise::storage {
@@ -62,6 +66,10 @@ void require_sound(Database& db) {
                   db.path() + " is damaged: " + trouble);
 }
 
+[[noreturn]] void throw_gave_way() {
+  throw_failure(ErrorCode::cancelled, reasons::kGaveWay, "the copy gave way: ask again");
+}
+
 bool is_held(int code) { return (code & 0xff) == SQLITE_BUSY || (code & 0xff) == SQLITE_LOCKED; }
 
 void copy_pages(Database& from, Database& to, const std::function<bool()>& give_way) {
@@ -78,8 +86,7 @@ void copy_pages(Database& from, Database& to, const std::function<bool()>& give_
   }
   const int finished = sqlite3_backup_finish(backup);
   if (code == SQLITE_DONE && finished == SQLITE_OK) return;
-  if (gave_way && (code == SQLITE_OK || is_held(code)))
-    throw_failure(ErrorCode::cancelled, reasons::kGaveWay, "the copy gave way: ask again");
+  if (gave_way && (code == SQLITE_OK || is_held(code))) throw_gave_way();
   if (is_held(code))  // which finish() does not tell
     throw StorageFailure{
         error_from_sqlite(code, 0, from.path(), "copying the record", sqlite3_errstr(code))};
@@ -151,6 +158,19 @@ std::int64_t bytes_of(const std::string& path) {
   return static_cast<std::int64_t>(bytes);
 }
 
+// Counting and checking take as long as copying: each statement of both gives way.
+template <class Work>
+void giving_way(Database& record, Database& copy, const std::function<bool()>& give_way,
+                Work work) {
+  const GivesWay of_record(record, give_way), of_copy(copy, give_way);
+  try {
+    work();
+  } catch (const StorageFailure&) {
+    if (of_record.gave_way() || of_copy.gave_way()) throw_gave_way();
+    throw;
+  }
+}
+
 // make_room: right before the copy takes its name.
 RecordCopy copy_verified(Database& record, const std::string& path,
                          const std::function<bool()>& give_way,
@@ -160,18 +180,20 @@ RecordCopy copy_verified(Database& record, const std::string& path,
   {
     Database to(part.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
     std::map<std::string, std::int64_t> counts;
-    {
-      const Transaction view(record, Transaction::Kind::read);
-      counts = row_counts(record);
-      copy.head = head_of(record);
-      copy_pages(record, to, give_way);
-    }
-    to.execute("PRAGMA journal_mode = DELETE");  // one file, without a log beside it
-    require_sound(to);
-    if (row_counts(to) != counts || head_of(to) != copy.head)
-      throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
-                    "the copy of " + record.path() +
-                        " has other rows than the record: it was not kept, make it again");
+    giving_way(record, to, give_way, [&] {
+      {
+        const Transaction view(record, Transaction::Kind::read);
+        counts = row_counts(record);
+        copy.head = head_of(record);
+        copy_pages(record, to, give_way);
+      }
+      to.execute("PRAGMA journal_mode = DELETE");  // one file, without a log beside it
+      require_sound(to);
+      if (row_counts(to) != counts || head_of(to) != copy.head)
+        throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
+                      "the copy of " + record.path() +
+                          " has other rows than the record: it was not kept, make it again");
+    });
     for (const auto& [table, count] : counts) copy.rows += count;
   }
   copy.bytes = bytes_of(part.path());
@@ -201,25 +223,112 @@ void require_chain(Database& db, const std::optional<ChainHead>& kept) {
                     "; nothing was put back");
 }
 
-// The present record gets the other name. Who could read it before can read the copy, and nobody
-// else.
-void set_present_aside(const Restore& restore) {
+// SQLite deletes the log beside a file without a page when it opens that file: one that is no
+// database any more is not opened.
+bool is_database(const std::string& path) {
+  constexpr std::string_view kBegin{"SQLite format 3", 16};
+  std::string found(kBegin.size(), ' ');
+  std::ifstream file(path, std::ios::binary);
+  file.read(found.data(), static_cast<std::streamsize>(found.size()));
+  return file.good() && found == kBegin;
+}
+
+std::string identity_in(Database& db) {
+  constexpr int kIdentityVersion = 4;
+  std::string identity;
+  if (db.pragma("user_version") >= kIdentityVersion)
+    db.for_each_row("SELECT id FROM database_identity",
+                    [&](const std::string& id) { identity = id; });
+  return identity;
+}
+
+void refuse_other_record(Database& copy, const Restore& restore) {
+  if (restore.may_be_another) return;
+  const auto found = identity_in(copy), present = identity_of_record(restore.database);
+  if (found.empty() || present.empty() || found == present) return;
+  throw_failure(ErrorCode::failed_precondition, reasons::kOtherRecord,
+                restore.copy + " is a copy of record " + found + ", and " + restore.database +
+                    " is record " + present +
+                    ": nothing was put back; look whether it is this cell's copy");
+}
+
+// What the log of a record holds is in its file after this, and the log is empty. False: it cannot
+// be, as where the pages are damaged; then the file and the log belong together.
+bool bring_log_into(const std::string& path) {
+  if (!is_database(path)) return false;
+  int code = SQLITE_OK;
+  try {
+    Database record(path, SQLITE_OPEN_READWRITE, "");
+    if (record.pragma("application_id") != kApplicationId) return false;
+    code = sqlite3_wal_checkpoint_v2(record.handle(), nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr,
+                                     nullptr);
+  } catch (const StorageFailure&) {
+    return false;
+  }
+  if (is_held(code))
+    throw_failure(ErrorCode::failed_precondition, reasons::kDatabaseInUse,
+                  "a program reads the record " + path +
+                      " (a sqlite3 shell, an export): end it and restore again; nothing was put "
+                      "back");
+  return code == SQLITE_OK;
+}
+
+std::string folder_of(const std::string& path) { return fs::absolute(path).parent_path().string(); }
+
+std::vector<fs::path> left_by_restore(const std::string& database) {
+  const std::string name = fs::path(database).filename().string();
+  std::vector<fs::path> left;
   std::error_code failed;
-  const auto rights = fs::status(restore.database, failed).permissions();
-  if (!failed) fs::permissions(restore.database + Part::kSuffix, rights, failed);
+  for (fs::directory_iterator entry(folder_of(database), failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    const std::string other = entry->path().filename().string();
+    if (other == name + Part::kSuffix || other.starts_with(name + ".before-"))
+      left.push_back(entry->path());
+  }
+  return left;
+}
+
+[[noreturn]] void throw_not_named(const std::string& from, const std::string& to,
+                                  const std::error_code& why) {
+  throw_failure(ErrorCode::not_found, reasons::kCannotOpen,
+                "the present record's file " + from + " cannot be named " + to + ": " +
+                    why.message() + "; nothing was put back");
+}
+
+// The present record gets the other name. One whose log is in it keeps its own as well, until the
+// copy takes that in one step. Else the file goes first and its log after it: a log that is left
+// behind belongs to nothing else, where a file without its log would be an older record. Who could
+// read it before can read the copy, and nobody else.
+void set_present_aside(const Restore& restore) {
+  const std::string& present = restore.database;
+  const std::string& kept_as = restore.present_kept_as;
+  std::error_code failed;
+  const auto rights = fs::status(present, failed).permissions();
+  if (!failed) fs::permissions(present + Part::kSuffix, rights, failed);
   if (failed)
     throw_failure(ErrorCode::not_found, reasons::kCannotOpen,
-                  "the copy cannot have the rights of " + restore.database + ": " +
-                      failed.message() + "; nothing was put back");
-  for (const char* part : {"-wal", "-shm", ""}) {
-    if (!is_present(restore.database + part)) continue;
-    fs::rename(restore.database + part, restore.present_kept_as + part, failed);
-    if (failed)
-      throw_failure(ErrorCode::not_found, reasons::kCannotOpen,
-                    "the present record's file " + restore.database + part + " cannot be named " +
-                        restore.present_kept_as + part + ": " + failed.message() +
-                        "; nothing was put back");
+                  "the copy cannot have the rights of " + present + ": " + failed.message() +
+                      "; nothing was put back");
+  bool has_both_names = bring_log_into(present);
+  if (has_both_names) {
+    fs::create_hard_link(present, kept_as, failed);
+    has_both_names = !failed;
   }
+  if (!has_both_names) {
+    fs::rename(present, kept_as, failed);
+    if (failed) throw_not_named(present, kept_as, failed);
+  }
+  sync(folder_of(present));
+  for (const char* part : {"-wal", "-shm"}) {
+    if (!is_present(present + part)) continue;
+    fs::rename(present + part, kept_as + part, failed);
+    if (!failed) continue;
+    std::error_code ignored;
+    has_both_names ? static_cast<void>(fs::remove(kept_as, ignored))
+                   : fs::rename(kept_as, present, ignored);
+    throw_not_named(present + part, kept_as + part, failed);
+  }
+  sync(folder_of(present));
 }
 
 }  // namespace
@@ -270,13 +379,45 @@ Result<RecordCopy> restore_record(const Restore& restore) {
     if (replaces) {
       refuse_present(restore.present_kept_as);
       nobody_has_it.emplace(restore.database);
+      refuse_other_record(copy, restore);
     } else {
       refuse_present(restore.database);
     }
     return copy_verified(copy, restore.database, {}, [&] {
+      if (restore.before_names_change) restore.before_names_change();
       if (replaces) set_present_aside(restore);
     });
   });
+}
+
+void remove_second_names(const std::string& database) {
+  std::error_code failed;
+  for (const auto& path : left_by_restore(database))
+    if (fs::equivalent(path, database, failed)) fs::remove(path, failed);
+}
+
+std::string identity_of_record(const std::string& path) {
+  if (!is_database(path)) return {};
+  try {
+    Database record(path, SQLITE_OPEN_READONLY, "");
+    return identity_in(record);
+  } catch (const StorageFailure&) {
+    return {};
+  }
+}
+
+void refuse_unfinished_restore(const std::string& database) {
+  if (is_present(database)) return;
+  const std::string name = fs::path(database).filename().string();
+  std::string left;
+  for (const auto& path : left_by_restore(database))
+    left += (left.empty() ? "" : ", ") + path.string();
+  if (left.empty()) return;
+  throw_failure(ErrorCode::failed_precondition, reasons::kRestoreUnfinished,
+                "there is no record " + database + ", and beside it stands what a restore left: " +
+                    left + ". Name the newest " + name + ".before-... " + database +
+                    " again, or run `driftwise restore` with the copy; for a new record move these "
+                    "files to another folder");
 }
 
 }  // namespace driftwise::storage

@@ -29,16 +29,34 @@ void rescue_record(Database& record, const std::string& path);
 // replaced. Errors: those of the disk; the record is as it was then.
 std::string keep_old_version(Database& db);
 
+// Which record a file holds: copies have that of their record. Empty: it cannot be told, as of one
+// that an early version left or whose pages are damaged.
+std::string identity_of_record(const std::string& path);
+
 struct Restore {
   std::string copy;      // what is put back
   std::string database;  // where to
   // The name for what is at `database` now. Empty: there must be nothing.
   std::string present_kept_as;
   std::optional<ChainHead> kept;  // a head that was kept elsewhere
+  bool may_be_another = false;    // a copy of another record than the present one
+  // Called when all is checked, right before the first name changes. What it throws ends the
+  // restore with everything as it was.
+  std::function<void()> before_names_change = {};
 };
-// Checks the copy (pages, chain, the kept head), then puts it at the path, whole or not at all.
-// Errors: failed_precondition SCHEMA_NEWER, NOT_DRIFTWISE, DATABASE_IN_USE (a daemon has it open);
-// already_exists FILE_EXISTS; data_loss DATABASE_DAMAGED, RECORD_CHANGED (its chain does not hold).
+// Checks the copy (pages, chain, the kept head), then puts it at the path, whole or not at all. At
+// no instant is there another record at the path than the present one with its log, or the copy; on
+// file systems without hard links there may be none, which refuse_unfinished_restore() tells.
+// Errors: failed_precondition SCHEMA_NEWER, NOT_DRIFTWISE, DATABASE_IN_USE (a daemon has it open,
+// or a program reads it), OTHER_RECORD; already_exists FILE_EXISTS; data_loss DATABASE_DAMAGED,
+// RECORD_CHANGED (its chain does not hold).
 Result<RecordCopy> restore_record(const Restore& restore);
+
+// For a daemon that is about to make a record: throws failed_precondition RESTORE_UNFINISHED where
+// there is none at the path and what a restore left stands beside it.
+void refuse_unfinished_restore(const std::string& database);
+// For a daemon that has its record open, and with it the lock: the second name goes that a restore
+// gave the record before it was interrupted.
+void remove_second_names(const std::string& database);
 
 }  // namespace driftwise::storage

@@ -131,6 +131,7 @@ std::span<const UnitKind> unit_kinds() {
       {39, {"point_id"}, {"repeated_point"}},
       {40, {"rest_id"}, {"rest"}},
       {41, {"indentation_id"}, {"indentation"}},
+      {42, {"point_id"}, {"passage"}},
   };
   return kinds;
 }

@@ -103,6 +103,7 @@ RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset) {
     point.set = dataset.set_of(row);
     point.line = dataset.line.empty() ? 0 : dataset.line[row];
     point.zero = !dataset.zero.empty() && dataset.zero[row] != 0;
+    point.passage = is_passage(dataset, row);
     point.measured = measured;
     point.dwell_s = dataset.dwell_s.empty() ? kMissing : dataset.dwell_s[row];
     for (const DatasetColumn& column : dataset.columns)
@@ -122,7 +123,7 @@ RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset) {
                       .who = run.operator_name,
                       .from = ""};
   for (std::size_t row = 0; row < dataset.rows; ++row)
-    if (dataset.is_excluded(row) && !is_suspect(dataset, row))
+    if (dataset.is_excluded(row) && !is_suspect(dataset, row) && !is_passage(dataset, row))
       out.rows.push_back(static_cast<std::int64_t>(row));
   store_exclusion(session, out);
   out.rows.clear();

@@ -45,7 +45,10 @@ void fill(std::vector<T>& column, const std::vector<DatasetRow>& rows, F&& value
 void fill_excluded(Dataset& dataset, const std::vector<DatasetRow>& rows, bool in_any_case) {
   if (in_any_case || std::ranges::any_of(rows, &DatasetRow::excluded))
     fill(dataset.excluded, rows, [](const auto& row) {
-      return row.suspect ? kSuspectRow : row.excluded ? kExcludedRow : kInUse;
+      return row.passage    ? kPassageRow
+             : row.suspect  ? kSuspectRow
+             : row.excluded ? kExcludedRow
+                            : kInUse;
     });
 }
 

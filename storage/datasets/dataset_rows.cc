@@ -17,8 +17,8 @@ void mark_excluded(Session& session, RunId run, std::vector<DatasetRow>& rows) {
   while (query.row()) out[query.integer(0)] = query.integer(1) != 0;
   for (DatasetRow& row : rows) {
     const auto found = out.find(row.point_id);
-    row.excluded = found != out.end();
-    row.suspect = row.excluded && found->second;
+    row.suspect = found != out.end() && found->second;
+    row.excluded = found != out.end() || row.passage;
   }
 }
 
@@ -29,7 +29,8 @@ std::vector<DatasetRow> read_dataset_rows(Session& session, RunId run) {
       session.db,
       "SELECT point_id, point.datum_id, measured_ns, point_set, line, is_zero, dwell_s, "
       "file_time_s, file_run, "
-      "file_datum FROM point JOIN datum ON datum.datum_id = point.datum_id WHERE point.run_id = ? "
+      "file_datum, EXISTS (SELECT 1 FROM passage WHERE passage.point_id = point.point_id) FROM "
+      "point JOIN datum ON datum.datum_id = point.datum_id WHERE point.run_id = ? "
       "AND point_id NOT IN (SELECT point_id FROM repeated_point) ORDER BY trajectory_row");
   query.bind(run.value);
   std::vector<DatasetRow> rows;
@@ -46,6 +47,7 @@ std::vector<DatasetRow> read_dataset_rows(Session& session, RunId run) {
     row.file_time_s = query.real(7);
     row.file_run = query.optional_integer(8);
     row.file_datum = query.optional_integer(9);
+    row.passage = query.integer(10) != 0;
     rows.push_back(row);
   }
   mark_excluded(session, run, rows);

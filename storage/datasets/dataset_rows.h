@@ -16,7 +16,7 @@ struct DatasetRow {
   PointSet set = PointSet::calibration;
   std::int64_t line = 0;
   bool zero = false;
-  bool excluded = false, suspect = false;
+  bool excluded = false, suspect = false, passage = false;
   double dwell_s = kMissing;
   double time_s = 0;              // in the dataset
   double file_time_s = kMissing;  // imported rows: as in the file

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 
-#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "storage/readings/series_block.h"
 #include "storage/readings/series_grid.h"
@@ -36,11 +36,9 @@ std::int64_t newest_reading(Session& session) {
   return query.integer(0);
 }
 
-std::int64_t channel_id_of(Session& session, const std::string& name) {
+std::optional<std::int64_t> channel_id_of(Session& session, const std::string& name) {
   Query query(session.db, "SELECT channel_id FROM channel WHERE name = ?");
-  if (!query.bind(name).row())
-    throw_failure(ErrorCode::invalid_argument, reasons::kNoSuchChannel,
-                  "channel '" + name + "' was never recorded in this database");
+  if (!query.bind(name).row()) return std::nullopt;
   return query.integer(0);
 }
 
@@ -109,9 +107,11 @@ void read_tail(Session& session, const std::map<std::int64_t, Buckets*>& columns
 
 void read_points_of_run(Session& session, RunId run, std::int64_t channel, const SeriesGrid& grid,
                         Buckets& out) {
-  Query query(session.db,
-              "SELECT measured_ns, value FROM point JOIN point_value USING (point_id) WHERE run_id "
-              "= ? AND channel_id = ? AND value IS NOT NULL");
+  Query query(
+      session.db,
+      "SELECT measured_ns, value FROM point JOIN point_value USING (point_id) WHERE run_id "
+      "= ? AND channel_id = ? AND value IS NOT NULL AND point_id NOT IN (SELECT point_id FROM "
+      "passage)");
   query.bind(run, channel);
   while (query.row())
     if (grid.holds(query.integer(0))) out[grid.index(query.integer(0))].add(query.real(1));
@@ -125,23 +125,28 @@ Result<SeriesAnswer> SqliteSeriesStore::series(const SeriesQuery& asked) {
     SeriesGrid grid = series_grid(asked.from.utc_ns, asked.to.utc_ns, asked.buckets);
     std::vector<Buckets> columns(asked.channels.size(), Buckets(grid.buckets));
     std::map<std::int64_t, Buckets*> by_channel;
+    std::vector<bool> recorded(columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      const std::int64_t channel = channel_id_of(session_, asked.channels[i]);
-      by_channel[channel] = &columns[i];
+      const auto channel = channel_id_of(session_, asked.channels[i]);
+      recorded[i] = channel.has_value();
+      if (!channel) continue;
+      by_channel[*channel] = &columns[i];
       if (asked.run)
-        read_points_of_run(session_, *asked.run, channel, grid, columns[i]);
+        read_points_of_run(session_, *asked.run, *channel, grid, columns[i]);
       else if (grid.level == 0)
-        read_raw_blocks(session_, channel, grid, columns[i]);
+        read_raw_blocks(session_, *channel, grid, columns[i]);
       else
-        read_summaries(session_, channel, grid, columns[i]);
+        read_summaries(session_, *channel, grid, columns[i]);
     }
     if (!asked.run) read_tail(session_, by_channel, grid);
     SeriesAnswer answer;
     answer.from = {grid.from_ns};
     answer.to = {grid.to_ns()};
     answer.bucket = Nanoseconds(grid.bucket_ns);
-    for (std::size_t i = 0; i < columns.size(); ++i)
+    for (std::size_t i = 0; i < columns.size(); ++i) {
       answer.columns.push_back(column_of(asked.channels[i], columns[i]));
+      answer.columns.back().recorded = recorded[i];
+    }
     return answer;
   });
 }

@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "server/core/reasons.h"
+#include "storage/rows/run_rows.h"
 
 namespace driftwise::storage {
 namespace {
@@ -29,7 +30,8 @@ Verdict verdict_from(Session& session, const std::string& text) {
   "ended_monotonic_ns, spread_nm"
 #define DRIFTWISE_SELECT_POINT                                                         \
   "SELECT point_id, trajectory_row, datum_id, point_set, line, is_zero, measured_ns, " \
-  "measured_monotonic_ns, dwell_s, run_id"
+  "measured_monotonic_ns, dwell_s, run_id, EXISTS (SELECT 1 FROM passage WHERE "       \
+  "passage.point_id = point.point_id)"
 
 AttemptRecord attempt_from(Session& session, const Query& query) {
   AttemptRecord attempt;
@@ -56,6 +58,7 @@ std::vector<PointRecord> points_from(Session& session, Query& query) {
     point.set = query.text(3) == "validation" ? PointSet::validation : PointSet::calibration;
     point.line = query.integer(4);
     point.zero = query.integer(5) != 0;
+    point.passage = query.integer(10) != 0;
     point.measured = {{query.integer(6)}, query.integer(7)};
     point.dwell_s = query.real(8);
     for (ChannelValue& value : values_of(session, values, point.id.value)) {
@@ -150,7 +153,21 @@ PointId insert_point(Session& session, RunId run, const PointRecord& point, cons
   for (const ChannelValue& value : point.values) add(value.channel, value.value);
   for (std::size_t axis = 1; axis <= point.commanded_mm.size(); ++axis)
     add(commanded_channel(axis), point.commanded_mm[axis - 1]);
+  if (point.passage)
+    Query(session.db, "INSERT INTO passage (point_id) VALUES (?)").bind(id.value).run();
   return id;
+}
+
+void insert_passages(Session& session, RunId run, const std::vector<PointRecord>& passages) {
+  for (PointRecord passage : passages) {
+    Query next(session.db,
+               "SELECT max(trajectory_rows, coalesce((SELECT max(trajectory_row) + 1 FROM point p "
+               "WHERE p.run_id = run.run_id), 0)) FROM run WHERE run_id = ?");
+    if (!next.bind(run.value).row()) throw_no_such_run(session, run);
+    passage.row = next.integer(0);
+    passage.passage = true;
+    insert_point(session, run, passage, {});
+  }
 }
 
 std::vector<DatumRecord> read_datums(Session& session, RunId run) {

@@ -20,6 +20,8 @@ DatumId insert_datum(Session& session, const DatumRecord& datum,
 std::int64_t insert_attempt(Session& session, RunId run, const AttemptRecord& attempt);
 // commanded_mm is stored as channels q1_cmd_mm, q2_cmd_mm, ... unless values has them already.
 PointId insert_point(Session& session, RunId run, const PointRecord& point, const FromFile& file);
+// Each gets the next row after those of the plan.
+void insert_passages(Session& session, RunId run, const std::vector<PointRecord>& passages);
 
 std::vector<DatumRecord> read_datums(Session& session, RunId run);      // oldest first
 std::optional<DatumRecord> read_newest_datum(Session& session);         // measured here

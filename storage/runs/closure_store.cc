@@ -47,6 +47,14 @@ void repeat_line(Session& session, std::int64_t id, const ClosureRecord& closure
     point.bind(closure.run, row, id).run();
     points += session.db.changed_rows();
   }
+  // With the way over them: what is left ends with the last point that counts.
+  Query(session.db,
+        "INSERT INTO repeated_point (point_id, closure_id) SELECT point_id, ?2 FROM passage JOIN "
+        "point USING (point_id) WHERE run_id = ?1 AND point_id > coalesce((SELECT max(point_id) "
+        "FROM planned_point WHERE run_id = ?1 AND point_id NOT IN (SELECT point_id FROM "
+        "repeated_point)), 0) AND point_id NOT IN (SELECT point_id FROM repeated_point)")
+      .bind(closure.run, id)
+      .run();
   Query(session.db,
         "UPDATE run_progress SET next_row = ?2, requeued = ?3, accepted = accepted - ?4, given_up "
         "= given_up - ?5 WHERE run_id = ?1")

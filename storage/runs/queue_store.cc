@@ -173,7 +173,7 @@ Result<std::vector<RunRecord>> SqliteMetadataStore::find_runs(const RunMetadata&
                                                               std::int64_t before_id) {
   return session_.read([&] {
     // Wanted pairs as one text: the runs that lack none of them.
-    Query query(session_.db, DRIFTWISE_SELECT_RUN
+    Query query(session_.db, DRIFTWISE_LIST_RUNS
                 " WHERE (?1 <= 0 OR run_id < ?1) AND (SELECT count(*) FROM run_metadata w WHERE "
                 "w.run_id = run.run_id AND instr(?3, char(10) || w.key || '=' || w.value || "
                 "char(10)) > 0) = ?4 ORDER BY run_id DESC LIMIT ?2");

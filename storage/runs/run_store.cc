@@ -51,6 +51,7 @@ Result<std::optional<PointId>> SqlitePointStore::commit(const PointCommit& commi
     insert_readings(session_, commit.slow_readings, std::nullopt);
     insert_moves(session_, commit.moves);
     insert_rejected(session_, commit.rejected);
+    insert_passages(session_, commit.run, commit.passages);
     std::optional<PointId> id;
     if (commit.point) id = insert_point(session_, commit.run, *commit.point, {});
     Query(session_.db,
@@ -72,7 +73,7 @@ Result<RunRecord> SqliteRunStore::run(RunId run) {
 Result<std::vector<RunRecord>> SqliteRunStore::runs(int limit, std::int64_t before_id) {
   return session_.read([&] {
     Query query(session_.db,
-                DRIFTWISE_SELECT_RUN " WHERE ?1 <= 0 OR run_id < ?1 ORDER BY run_id DESC LIMIT ?2");
+                DRIFTWISE_LIST_RUNS " WHERE ?1 <= 0 OR run_id < ?1 ORDER BY run_id DESC LIMIT ?2");
     query.bind(before_id, limit > 0 ? limit : -1);
     std::vector<RunRecord> runs;
     while (query.row()) runs.push_back(run_from(query, session_.db.path()));

@@ -10,6 +10,7 @@
 #include "storage/schema/schema_v12.h"
 #include "storage/schema/schema_v13.h"
 #include "storage/schema/schema_v14.h"
+#include "storage/schema/schema_v15.h"
 #include "storage/schema/schema_v2.h"
 #include "storage/schema/schema_v3.h"
 #include "storage/schema/schema_v4.h"
@@ -53,6 +54,7 @@ std::span<const std::string_view> migrations() {
       kSchemaV12,
       kSchemaV13,
       kSchemaV14,
+      kSchemaV15,
 #ifdef DRIFTWISE_TEST_SCHEMA_STEP
       // Of the tests' second build alone: an upgrade that no release has.
       "CREATE TABLE upgraded (at_ns INTEGER NOT NULL) STRICT",

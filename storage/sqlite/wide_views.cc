@@ -27,7 +27,8 @@ void rebuild_point_wide(Database& db) {
   db.execute(
       "CREATE VIEW point_wide AS SELECT r.point_id, r.run_id, r.datum_id, r.trajectory_row, "
       "r.point_set, r.line,\n"
-      "  r.is_zero, r.dwell_s, r.measured_utc, r.measured_ns" +
+      "  r.is_zero, EXISTS (SELECT 1 FROM passage x WHERE x.point_id = r.point_id) AS is_passage, "
+      "r.dwell_s, r.measured_utc, r.measured_ns" +
       columns +
       "\nFROM point r WHERE NOT EXISTS (SELECT 1 FROM repeated_point x WHERE x.point_id = "
       "r.point_id)");

@@ -53,8 +53,8 @@ void PointWatcher::fetch() {
   v1::ListPointsResponse response;
   if (!v1::RunService::NewStub(channel_)->ListPoints(&context, request, &response).ok()) return;
   for (const auto& point : response.points()) {
-    seen_[point.row()] = {point.id(), point.row(), text_of(point)};
     last_point_id_ = point.id();
+    if (!point.passage()) seen_[point.row()] = {point.id(), point.row(), text_of(point)};
   }
 }
 
@@ -68,7 +68,8 @@ PointsByRow points_by_row(const std::shared_ptr<grpc::Channel>& channel, std::in
   const auto status = v1::RunService::NewStub(channel)->ListPoints(&context, request, &response);
   if (!status.ok()) throw std::runtime_error("ListPoints: " + status.error_message());
   for (const auto& point : response.points())
-    if (!points.emplace(point.row(), SeenPoint{point.id(), point.row(), text_of(point)}).second)
+    if (!point.passage() &&
+        !points.emplace(point.row(), SeenPoint{point.id(), point.row(), text_of(point)}).second)
       throw std::runtime_error("row " + std::to_string(point.row()) + " is there twice");
   return points;
 }

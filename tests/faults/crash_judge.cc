@@ -20,7 +20,7 @@ std::string crash_trajectory(int lines, int per_line) {
 LeftBehind left_behind(const std::string& database) {
   LeftBehind left;
   left.run_id = count_of(database, "SELECT coalesce(max(run_id), 0) FROM run");
-  left.points = count_of(database, "SELECT count(*) FROM point");
+  left.points = count_of(database, "SELECT count(*) FROM planned_point");
   left.datums = count_of(database, "SELECT count(*) FROM datum");
   left.state = query_one(database, "SELECT state FROM run_progress ORDER BY run_id DESC LIMIT 1");
   return left;
@@ -44,7 +44,7 @@ void expect_nothing_lost(RunningCell& cell, const v1::Run& run, const PointsByRo
                      "GROUP BY run_id, trajectory_row HAVING count(*) > 1)"),
             0);
   EXPECT_EQ(count_of(database,
-                     "SELECT (SELECT count(*) FROM point) - "
+                     "SELECT (SELECT count(*) FROM planned_point) - "
                      "(SELECT count(*) FROM attempt WHERE verdict = 'accepted')"),
             0);
   EXPECT_EQ(query_one(database, "PRAGMA integrity_check"), "ok");

@@ -125,11 +125,12 @@ TEST_P(StopCrashPoint, TheRunIsPausedWhenTheStopWasStored) {
   RunningCell cell({.speed = 300});
   cell.start_daemon({"DRIFTWISE_CRASH_POINT=" + GetParam()});
   const auto run = cell.create_run(crash_trajectory(10, 12), "the-one");
-  while (cell.daemon().running() && count_of(cell.database(), "SELECT count(*) FROM point") < 3)
+  while (cell.daemon().running() &&
+         count_of(cell.database(), "SELECT count(*) FROM planned_point") < 3)
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
   cell.cli({"stop"});
   ASSERT_EQ(cell.daemon().wait(seconds(60)), 128 + SIGKILL) << cell.daemon_log();
-  const auto points = count_of(cell.database(), "SELECT count(*) FROM point");
+  const auto points = count_of(cell.database(), "SELECT count(*) FROM planned_point");
 
   cell.start_daemon();
   if (GetParam() == "before_stop_commit") {
@@ -137,7 +138,7 @@ TEST_P(StopCrashPoint, TheRunIsPausedWhenTheStopWasStored) {
     return;
   }
   EXPECT_EQ(cell.wait_until_over(run.id(), seconds(3)).state(), v1::Run::STATE_PAUSED);
-  EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM point"), points);
+  EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM planned_point"), points);
   EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM stop WHERE confirmed_ns = 0"), 0)
       << "sent again after the restart, and confirmed";
 }

@@ -48,7 +48,7 @@ class QueueOfCampaigns : public testing::Test {
   }
   bool second_is_measuring() {
     return comes([&] {
-      return count_of(cell.database(), "SELECT count(*) FROM point WHERE run_id = 2") >= 3;
+      return count_of(cell.database(), "SELECT count(*) FROM planned_point WHERE run_id = 2") >= 3;
     });
   }
 
@@ -64,10 +64,11 @@ TEST_F(QueueOfCampaigns, MeasuresEveryPointOnceWhenKilledInTheSecond) {
   ASSERT_TRUE(comes([&] { return states() == "done done done"; })) << states() << cell.daemon_log();
   EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM run"), 3);
   const auto rows = count_of(cell.database(), "SELECT sum(trajectory_rows) FROM run");
-  EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM point"), rows);
-  EXPECT_EQ(count_of(cell.database(),
-                     "SELECT count(*) FROM (SELECT DISTINCT run_id, trajectory_row FROM point)"),
-            rows);
+  EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM planned_point"), rows);
+  EXPECT_EQ(
+      count_of(cell.database(),
+               "SELECT count(*) FROM (SELECT DISTINCT run_id, trajectory_row FROM planned_point)"),
+      rows);
   const auto found = cell.cli({"run", "list", "--meta", "sample=A12", "--json"});
   EXPECT_EQ(nlohmann::json::parse(found.out)["runs"].size(), 3u);
   EXPECT_EQ(cell.cli({"audit", "verify"}).code, 0);

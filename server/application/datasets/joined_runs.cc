@@ -9,6 +9,7 @@
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/datasets/extension_preview.h"
 #include "server/application/ports/run_plan.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/correction/described_stage.h"
@@ -108,6 +109,7 @@ Result<correction::JoinPart> part_of(Store& store, RunId id,
   part.name = fmt::format("run {}", id.value);
   part.hash = formats::content_hash(formats::write_dataset_csv(measured.data));
   part.data = std::move(measured.data);
+  const auto rows = leave_passages_out(part.data);  // rows are joined by their numbers in the plan
   part.model = model_text(run);
   if (run.trajectory_text.empty()) {  // imported: its file says what there is to say
     const auto tool =
@@ -115,7 +117,7 @@ Result<correction::JoinPart> part_of(Store& store, RunId id,
     if (tool != part.data.metadata.end()) part.tool = tool->second;
     return part;
   }
-  for (const auto& origin : measured.origins) part.row.push_back(origin.row);
+  for (const auto row : rows) part.row.push_back(measured.origins[row].row);
   DRIFTWISE_TRY(part.trajectory,
                 formats::read_trajectory_csv(run.trajectory_text, "trajectory of " + part.name));
   DRIFTWISE_TRY(part.datum, datum_temperatures(store, id));

@@ -36,6 +36,7 @@ Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
   } else if (power_loss) {
     why += ", and the cell file says to go on ([run] after_power_loss = \"go-on\")";
     if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+    switch_on_ = SwitchOn::if_unreferenced;
   }
   may_start_ = true;
   co_return Result<void>{};

@@ -12,6 +12,7 @@
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/until_stored.h"
 #include "server/application/motion/zero_visit.h"
+#include "server/application/runs/passages.h"
 #include "server/application/runs/run_engine.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -200,6 +201,9 @@ Awaitable<Result<std::vector<ChannelValue>>> RunEngine::visit_zero_and_join(Acti
     values.push_back({motors[i].name(), sampling.q_mm[i]});
   values.insert(values.end(), sampling.means.begin(), sampling.means.end());
   measured = sampling.measured;
+  note_passage_read(run, values, measured);
+  auto storing = store_passages(run);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(storing));
   co_return values;
 }
 

@@ -13,6 +13,7 @@
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/sampling_gates.h"
 #include "server/application/motion/until_stored.h"
+#include "server/application/runs/passages.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -144,6 +145,7 @@ Awaitable<Result<Attempt>> try_once(ActiveRun& run, const Visit& visit,
 }
 
 void take_over(ActiveRun& run, const PointCommit& commit) {
+  drop_passages(run, commit.passages.size(), commit.point.has_value());
   auto& record = run.record;
   record.place = commit.place;
   ++record.attempts;
@@ -176,6 +178,7 @@ Awaitable<Result<VisitResult>> visit_row(ActiveRun& run, Visit visit,
       record.verdict = Verdict::interrupted;
       record.reason = attempt.error().message;
       PointCommit interrupted{run.record.id, {std::move(record)}, {}, {}, {}, run.record.place};
+      interrupted.passages = passages_behind(run);
       // Best effort: the error at hand is the one to tell, and a restart records the interruption
       // anyway.
       if (co_await run.scope.bench.writer.commit(interrupted)) take_over(run, interrupted);
@@ -189,6 +192,7 @@ Awaitable<Result<VisitResult>> visit_row(ActiveRun& run, Visit visit,
                        {},
                        {},
                        place_after(run.record.place, visit, verdict)};
+    commit.passages = passages_behind(run);
     run.scope.phase("storing");
     DRIFTWISE_CO_TRY(auto stored, co_await commit_until_stored(run.scope, commit));
     take_over(run, commit);

@@ -16,6 +16,7 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await devices.prepare_for_run());
   DRIFTWISE_CO_TRY(const auto state, co_await devices.motion_state());
   found.reference_lost = !state.referenced;
+  found.servo_off = !state.servo_on;
   for (const auto device : devices.with_role(DeviceRole::angle))
     if (const auto reading = co_await devices.read(device);
         !reading && !(reading.error().reason == reasons::kNoSpot && devices.may_be_lost(device)))
@@ -27,7 +28,7 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
     found.beam_lost = true;
   }
   // Before the axes move again: what they say must be possible where they are.
-  if (!found.beam_lost && !found.reference_lost)
+  if (!found.beam_lost && !found.reference_lost && !found.servo_off)
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await look_at_pose(scope));
   DRIFTWISE_CO_RETURN_IF_ERROR(
       join_slow_channels(scope.bench.description, scope.bench.recorder.history(),

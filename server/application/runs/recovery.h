@@ -8,6 +8,7 @@ namespace driftwise::application {
 
 struct Recovery {
   bool reference_lost = false;
+  bool servo_off = false;
   bool beam_lost = false;
 };
 

@@ -29,7 +29,7 @@ class RightToMove {
   Awaitable<AsyncMutex::Lock> turn() { return beginning_.lock(); }
 
   // Errors: those of StopDesk::check and LeaseBook::check; failed_precondition RUN_UNDER_WAY,
-  // MOVING.
+  // MOVING; cancelled SHUTTING_DOWN.
   Result<void> check(const std::string& lease_token) const;
   // The same for a movement by hand, which a run that stands allows to whom it may end.
   Result<void> check_by_hand(const Caller& caller, const std::string& lease_token,
@@ -48,6 +48,8 @@ class RightToMove {
   }
 
  private:
+  Result<void> check_not_ending() const;
+
   asio::any_io_executor executor_;
   Clock& clock_;
   const StopDesk& stops_;

@@ -15,6 +15,7 @@
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/run_hold.h"
 #include "server/application/recording/doubts.h"
+#include "server/application/runs/passages.h"
 #include "server/application/runs/recovery.h"
 #include "server/application/runs/run_state_store.h"
 #include "server/core/reasons.h"
@@ -34,6 +35,7 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
   assert(!run_);
   before_ = std::move(before);
   may_start_ = asked_for;
+  switch_on_ = asked_for && announce.empty() ? SwitchOn::yes : SwitchOn::if_unreferenced;
   begins_by_itself_ = std::move(announce);
   make_run(std::move(record), std::move(plan), std::move(trajectory));
   tasks_.spawn(execute());
@@ -43,6 +45,7 @@ void RunEngine::begin_unread(RunRecord record, Error why, ReadBasis read) {
   assert(!run_);
   before_.reset();
   may_start_ = false;
+  switch_on_ = SwitchOn::if_unreferenced;
   begins_by_itself_.clear();
   read_basis_ = std::move(read);
   make_run(std::move(record), {}, {});
@@ -296,8 +299,10 @@ Awaitable<Result<void>> RunEngine::bring_force(ActiveRun& run) {
 }
 
 Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
-  DRIFTWISE_CO_TRY(auto datum, co_await open_datum(run.scope, *wanted_datum_));
+  const auto switch_on = std::exchange(switch_on_, SwitchOn::no);
+  DRIFTWISE_CO_TRY(auto datum, co_await open_datum(run.scope, *wanted_datum_, switch_on));
   run.datum = std::move(datum);
+  note_zeroing(run);
   run.closures.clear();
   if (const auto before = std::exchange(before_, std::nullopt)) add_line_under_way(run, *before);
   if (auto ok = co_await mark_after_datum(run); !ok) co_return ok;

@@ -126,7 +126,7 @@ class RunEngine {
   Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
   Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
   Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy, bool asked_for);
-  void want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost);
+  void want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost, bool servo_off);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
   Awaitable<Result<void>> hold_on(ActiveRun& run, RunState state);
   void ask_to_mend(ActiveRun& run, const Error& why);
@@ -167,7 +167,8 @@ class RunEngine {
   ReadBasis read_basis_;    // of a run that could not be read; empty: it was
   bool may_start_ = true;   // false: power or the daemon was away, and nobody has said it yet
   bool computer_was_away_ = false;
-  bool had_datum_ = false;  // before its first one a run has not needed a reference yet
+  bool had_datum_ = false;             // before its first one a run has not needed a reference yet
+  SwitchOn switch_on_ = SwitchOn::no;  // of the next datum: used up by it
   std::string announcement_;
   std::string begins_by_itself_;  // why; empty: a person has asked for the run, or it was told
   std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause

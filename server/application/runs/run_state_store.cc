@@ -1,5 +1,9 @@
 #include "server/application/runs/run_state_store.h"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "server/application/runs/point_visit.h"
 #include "server/application/runs/trajectory_walk.h"
 #include "server/core/try.h"
@@ -7,7 +11,18 @@
 namespace driftwise::application {
 namespace {
 
-constexpr std::chrono::seconds kRetry{5};  // of cell time, for room on the disk
+constexpr std::chrono::seconds kRetry{5};  // of cell time, until the database takes it
+
+// Once per state: people see why a run that is over stays the run under way.
+void tell_of_end(ActiveRun& run, const Error& refusal) {
+  run.scope.bench.events.record_own(
+      "run.trouble",
+      fmt::format("the end of run {} is not on record yet: {}; it is written again every {} s, "
+                  "and the run stays under way until then",
+                  run.record.id.value, refusal.message, kRetry.count()),
+      run.record.id);
+  run.scope.phase("waiting until its end is on record");
+}
 
 }  // namespace
 
@@ -38,11 +53,12 @@ Awaitable<Result<void>> store_state(ActiveRun& run) {
     change.hold = hold;
   }
   if (!run.scope.bench.boot_id.empty()) change.boot_id = run.scope.bench.boot_id;
-  while (true) {
-    auto stored = co_await run.scope.bench.writer.runs().change_run(record.id, change);
-    run.state_unstored = !stored && stored.error().code == ErrorCode::resource_exhausted;
-    if (!run.state_unstored) co_return stored;
-    if (!is_over(record.state) || run.control.shutting_down()) co_return Result<void>{};
+  for (bool told = false;;) {
+    const auto stored = co_await run.scope.bench.writer.runs().change_run(record.id, change);
+    run.state_unstored = !stored;
+    if (stored || !is_over(record.state)) co_return Result<void>{};
+    if (run.control.shutting_down()) co_return Result<void>{};
+    if (!std::exchange(told, true)) tell_of_end(run, stored.error());
     co_await sleep_unless(run.scope.bench.clock, run.scope.bench.clock.now().utc + kRetry,
                           run.control.changed());
   }

@@ -16,9 +16,10 @@ constexpr std::string_view kShutDownReason =
 // The run stands for this stop, and has not begun or gone on yet.
 void pause_by_stop(RunRecord& record, const RunHold& stop);
 
-// Writes state, reason, times, lag and restarts of the run's record. A full disk: an ended run
-// waits until it fits; any other state is shown meanwhile (ActiveRun::state_unstored) and written
-// with the next change, or by the pause that it is. While a stop is in force, a run that is not
+// Writes state, reason, times, lag and restarts of the run's record. No refusal of the database
+// ends a run: the end of a run is written again until it is on record or the daemon ends; any other
+// state is shown meanwhile (ActiveRun::state_unstored) and written with the next change, or by the
+// pause that it is. While a stop is in force, a run that is not
 // over is stored as paused by it, also before the engine has come to the stop.
 Awaitable<Result<void>> store_state(ActiveRun& run);
 

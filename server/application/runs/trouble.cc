@@ -20,6 +20,8 @@ Remedy remedy_for(const Error& error) {
       return Remedy::new_datum;
     case driftwise::Recovery::fail:
       return Remedy::fail;
+    case driftwise::Recovery::hold:
+      return Remedy::hold;
     case driftwise::Recovery::by_code:
       break;
   }

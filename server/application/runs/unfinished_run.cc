@@ -20,8 +20,9 @@ Awaitable<Result<std::optional<RunRecord>>> RunsService::find_unfinished() {
       auto run = store.runs().unfinished_run();
       if (!run || *run) return run;
       DRIFTWISE_TRY(auto newest, store.runs().runs(1, 0));  // created, and killed before it began
-      if (!newest.empty() && newest.front().state == RunState::queued) return newest.front();
-      return std::nullopt;
+      if (newest.empty() || newest.front().state != RunState::queued) return std::nullopt;
+      DRIFTWISE_TRY(auto queued, store.runs().run(newest.front().id));  // with its trajectory
+      return queued;
     });
     if (unfinished || tried == kTries || engine_.shutting_down()) co_return unfinished;
     co_await clock_.sleep_for(std::chrono::seconds(1));
@@ -97,7 +98,7 @@ Awaitable<Result<RunBefore>> RunsService::what_was_before(const RunRecord& run) 
       if (page.empty()) break;
       after = page.back().id.value;
       for (auto& point : page)
-        if (point.zero && !std::ranges::binary_search(repeated, point.id))
+        if (point.zero && !point.passage && !std::ranges::binary_search(repeated, point.id))
           before.zeros.push_back(std::move(point));
     }
     DRIFTWISE_TRY(before.closures, store.closures().closures(id));

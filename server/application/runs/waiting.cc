@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/motion/start_checks.h"
 #include "server/application/motion/stop_desk.h"
 #include "server/application/runs/recovery.h"
 #include "server/application/runs/run_engine.h"
@@ -18,10 +19,11 @@ namespace driftwise::application {
 // Until a person resumes, or the condition is over; then the devices are looked at as after any
 // trouble.
 Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
-  if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
+  const bool by_cell = run.control.halted_by_cell();
   const bool by_person = run.control.hold().kind != RunHold::Kind::condition;
+  if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
   // An axis that cannot be reached stands by its own watchdog.
-  if (!by_person) static_cast<void>(co_await bench_.devices.stop());
+  if (by_cell) static_cast<void>(co_await bench_.devices.stop());
   if (auto ok = co_await mark_held(run); !ok) co_return ok;
   if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
   co_return co_await look_again(run, remedy_for(trouble), by_person);
@@ -91,18 +93,26 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
 // asked_for: a person has said just now that the robot may move.
 Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy, bool asked_for) {
   DRIFTWISE_CO_TRY(const auto recovery, co_await wait_for_devices(run.scope));
+  // Before weights move as well. Where power was away the cell file says who is asked.
+  const bool was_switched_off =
+      recovery.servo_off && !(recovery.reference_lost && had_datum_) && switch_on_ == SwitchOn::no;
+  if (was_switched_off && !asked_for) co_return co_await overcome(run, servo_is_off(), 1);
   if (recovery.reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
-  want_datum(run, recovery.beam_lost || remedy == Remedy::new_datum, recovery.reference_lost);
+  want_datum(run, recovery.beam_lost || remedy == Remedy::new_datum, recovery.reference_lost,
+             recovery.servo_off);
   co_return co_await change(run, RunState::running, "");
 }
 
 // What is wanted already keeps its terms: why, what it is compared with, whether the drift is
 // checked and the axes are homed. What is lost on top of that is added.
-void RunEngine::want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost) {
-  if (!beam_lost && !reference_lost) return;
+void RunEngine::want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost,
+                           bool servo_off) {
+  if (!beam_lost && !reference_lost && !servo_off) return;
   if (!wanted_datum_)
-    wanted_datum_ = DatumOpening{beam_lost ? "beam lost" : "reference lost", false, false,
-                                 run.datum, run.closures};
+    wanted_datum_ = DatumOpening{beam_lost        ? "beam lost"
+                                 : reference_lost ? "reference lost"
+                                                  : "servo off",
+                                 false, false, run.datum, run.closures};
   wanted_datum_->home = wanted_datum_->home || reference_lost;
   if (beam_lost) wanted_datum_->before.reset();
 }
@@ -128,8 +138,10 @@ Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
   // Whoever ended it has said that the robot may move; who accepted a cell file has not, nor has a
   // cell that is within its limits again.
   if (run.record.hold.kind != RunHold::Kind::configuration &&
-      run.record.hold.kind != RunHold::Kind::condition)
+      run.record.hold.kind != RunHold::Kind::condition) {
     may_start_ = true;
+    switch_on_ = SwitchOn::yes;
+  }
   run.record.hold = {};
   co_return co_await change(run, RunState::running, "");
 }

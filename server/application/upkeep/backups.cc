@@ -16,6 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double kTryAgain_s = 3600;
 constexpr const char* kPattern = "dddddddd-dddddd";  // of the instant in a name
+constexpr std::size_t kInstantLength = 15;
+constexpr const char* kUnfinished = ".part";  // of a copy that has no name yet
 
 // "20261122-093000"
 std::string instant_text(UtcTime utc) {
@@ -38,6 +40,16 @@ UtcTime instant_of(const std::string& text) {
   const auto parsed = parse_iso8601(part(0, 4) + "-" + part(4, 2) + "-" + part(6, 2) + "T" +
                                     part(9, 2) + ":" + part(11, 2) + ":" + part(13, 2) + "Z");
   return {parsed ? parsed->utc_ns : 0};
+}
+
+// "20261122-093000"
+std::string instant_in(const std::string& path) {
+  const std::string name = fs::path(path).stem().string();
+  return name.substr(name.size() - kInstantLength);
+}
+
+std::size_t kept_count(const BackupRules& rules) {
+  return static_cast<std::size_t>(std::max(rules.keep, 1));
 }
 
 // Set while it lives, also where an exception ends the work.
@@ -70,28 +82,61 @@ std::string Backups::folder() const {
 
 std::string Backups::stem() const { return fs::path(database_).stem().string() + "-"; }
 
-std::vector<std::string> Backups::present() const {
-  std::vector<std::string> paths;
+// A copy of an early program has no identity in its name: the file itself is asked, once.
+bool Backups::is_own(Store& store, const std::string& path, const std::string& identity) {
+  std::string name = fs::path(path).stem().string();
+  if (!name.starts_with(stem())) return false;
+  name = name.substr(stem().size());
+  if (name.starts_with(identity + "-")) return is_instant(name.substr(identity.size() + 1));
+  if (!is_instant(name)) return false;
+  auto known = identities_.find(path);
+  if (known == identities_.end())
+    known = identities_.emplace(path, store.audit().record_in(path)).first;
+  return known->second == identity;
+}
+
+Result<Backups::Present> Backups::present(Store& store, UtcTime now) {
+  Present found;
+  DRIFTWISE_TRY(found.identity, store.records().database_id());
   std::error_code failed;  // a folder that cannot be read: the copy itself will say so
   for (fs::directory_iterator entry(folder(), failed), end; !failed && entry != end;
        entry.increment(failed)) {
-    const fs::path& path = entry->path();
-    const std::string name = path.stem().string();
-    if (path.extension() == ".db" && name.starts_with(stem()) &&
-        is_instant(name.substr(stem().size())))
-      paths.push_back(path.string());
+    const auto path = entry->path().string();
+    if (entry->path().extension() == ".db" && is_own(store, path, found.identity))
+      found.paths.push_back(path);
   }
-  std::ranges::sort(paths);
+  std::ranges::sort(found.paths, {}, instant_in);
   // Made while the clock of the computer was ahead: how old it is cannot be told, so it is the
   // oldest. Else no other one would be due until that instant, and none would be kept beside it.
-  const auto now = clock_.utc(clock_.now().utc);
   std::ranges::stable_partition(
-      paths, [&](const std::string& path) { return now < instant_of(instant_in(path)); });
-  return paths;
+      found.paths, [&](const std::string& path) { return now < instant_of(instant_in(path)); });
+  return found;
 }
 
-std::string Backups::instant_in(const std::string& path) const {
-  return fs::path(path).stem().string().substr(stem().size());
+void Backups::remove_parts(Store& store, const std::string& identity) {
+  std::vector<fs::path> parts;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder(), failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    fs::path of = entry->path();  // "<name>.db.part", "<name>.db.part-journal"
+    if (!of.extension().string().starts_with(kUnfinished)) continue;
+    of.replace_extension();
+    if (of.extension() == ".db" && is_own(store, of.string(), identity))
+      parts.push_back(entry->path());
+  }
+  for (const auto& part : parts) {
+    fs::remove(part, failed);
+    spdlog::info("{} is removed: a copy that was not finished", part.string());
+  }
+}
+
+Awaitable<void> Backups::remove_unfinished() {
+  // The next copy tries it again.
+  static_cast<void>(co_await reader_.call([this](Store& store) -> Result<void> {
+    DRIFTWISE_TRY(const auto identity, store.records().database_id());
+    remove_parts(store, identity);
+    return {};
+  }));
 }
 
 Awaitable<Result<RecordCopy>> Backups::make(const Caller* by) {
@@ -101,21 +146,23 @@ Awaitable<Result<RecordCopy>> Backups::make(const Caller* by) {
   const UnderWay under_way(under_way_);
   const Caller caller = by ? *by : Caller{};
   const bool asked = by != nullptr;
-  const std::string path =
-      (fs::path(folder()) / (stem() + instant_text(clock_.utc(clock_.now().utc)) + ".db")).string();
   const auto copied = co_await reader_.call(
-      [this](Store& store, const std::string& target) -> Result<RecordCopy> {
+      [this](Store& store, UtcTime now) -> Result<RecordCopy> {
+        DRIFTWISE_TRY(const auto identity, store.records().database_id());
+        const auto target =
+            (fs::path(folder()) / (stem() + identity + "-" + instant_text(now) + ".db")).string();
         std::error_code failed;
-        fs::create_directories(fs::path(target).parent_path(), failed);
+        fs::create_directories(folder(), failed);
         if (failed)
           return fail(ErrorCode::not_found, reasons::kCannotOpen,
-                      fmt::format("the folder of backups, {}, cannot be made: {}",
-                                  fs::path(target).parent_path().string(), failed.message()));
+                      fmt::format("the folder of backups, {}, cannot be made: {}", folder(),
+                                  failed.message()));
+        remove_parts(store, identity);
         DRIFTWISE_TRY(auto copy, store.audit().back_up(target, gives_way_));
         std::ofstream(fs::path(target).replace_extension(".head")) << to_string(copy.head) << '\n';
         return copy;
       },
-      path);
+      utc_now());
   DRIFTWISE_CO_TRY(auto copy, copied);
   const auto detail =
       fmt::format("{} holds {} rows, {:.1f} MB, checked; chain {}", copy.path, copy.rows,
@@ -125,31 +172,45 @@ Awaitable<Result<RecordCopy>> Backups::make(const Caller* by) {
   else
     events_.record_own("backup.made", detail);
   failed_.clear();
-  remove_oldest();
+  const auto removed = co_await reader_.call(
+      [this](Store& store, UtcTime now) -> Result<std::vector<std::string>> {
+        return remove_oldest(store, now);
+      },
+      utc_now());
+  if (removed)
+    for (const auto& path : *removed)
+      events_.record_own("backup.removed",
+                         fmt::format("{}: the newest {} are kept", path, kept_count(rules_)));
   co_return copy;
 }
 
-void Backups::remove_oldest() {
-  auto paths = present();
-  const auto keep = static_cast<std::size_t>(std::max(rules_.keep, 1));
-  for (std::size_t i = 0; i + keep < paths.size(); ++i) {
+std::vector<std::string> Backups::remove_oldest(Store& store, UtcTime now) {
+  std::vector<std::string> removed;
+  const auto found = present(store, now);
+  if (!found) return removed;
+  const auto& paths = found->paths;
+  for (std::size_t i = 0; i + kept_count(rules_) < paths.size(); ++i) {
     std::error_code failed;
     fs::remove(paths[i], failed);
     fs::remove(fs::path(paths[i]).replace_extension(".head"), failed);
-    events_.record_own("backup.removed", fmt::format("{}: the newest {} are kept", paths[i], keep));
+    removed.push_back(paths[i]);
   }
+  return removed;
 }
 
 Awaitable<void> Backups::make_if_due() {
   const auto now = clock_.now().utc;
   if (rules_.every_h <= 0 || under_way_ || now < next_try_) co_return;
-  const auto paths = present();
-  if (!paths.empty()) {
-    const auto made = instant_of(instant_in(paths.back()));
+  const auto found = co_await reader_.call(
+      [this](Store& store, UtcTime utc) -> Result<Present> { return present(store, utc); },
+      utc_now());
+  if (found && !found->paths.empty()) {
+    const auto made = instant_of(instant_in(found->paths.back()));
     const bool is_before_now = !(clock_.utc(now) < made);
     if (is_before_now && seconds_from(now - clock_.cell_time(made)) < rules_.every_h * 3600)
       co_return;
   }
+  if (under_way_) co_return;  // begun meanwhile
   const auto made = co_await make(nullptr);
   if (made) co_return;
   next_try_ = now + nanoseconds_from_s(kTryAgain_s);

@@ -3,9 +3,14 @@
 // schedule, verified before they have their name, the oldest removed. Beside each stands the head
 // of the chain in a text file.
 //
-// Executor's thread; the copy itself is made on the thread of the database's checks.
+// Several cells may keep theirs in one folder: the name has the identity of the record, as
+// "cell-0f3a9c1d2e4b5061-20261122-093000.db", and one without it (of an earlier program) is asked
+// for it. Only those of this record are counted and removed.
+//
+// Executor's thread; the folder is read and written on the thread of the database's checks.
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -30,14 +35,23 @@ class Backups {
   // By the schedule, where one is due; called every now and then.
   Awaitable<void> make_if_due();
   std::vector<AlarmCondition> conditions() const;
-  // Paths, oldest first; before them all those whose instant is still to come.
-  std::vector<std::string> present() const;
+  // What a copy that was killed left in the folder goes; called once, before the first look.
+  Awaitable<void> remove_unfinished();
 
  private:
+  // What follows is of the reader's thread.
+  struct Present {
+    std::string identity;            // of the record
+    std::vector<std::string> paths;  // oldest first; before them those whose instant is to come
+  };
+  Result<Present> present(Store& store, UtcTime now);
+  std::vector<std::string> remove_oldest(Store& store, UtcTime now);
+  void remove_parts(Store& store, const std::string& identity);
+  bool is_own(Store& store, const std::string& path, const std::string& identity);
+
   std::string folder() const;
   std::string stem() const;
-  std::string instant_in(const std::string& path) const;  // "20261122-093000"
-  void remove_oldest();
+  UtcTime utc_now() const { return clock_.utc(clock_.now().utc); }
 
   Clock& clock_;
   std::string database_;
@@ -45,6 +59,7 @@ class Backups {
   StoreReader& reader_;
   EventLog& events_;
   std::function<bool()> gives_way_;
+  std::map<std::string, std::string> identities_;  // of copies without it in their name, by path
   bool under_way_ = false;
   CellTime next_try_;
   std::string failed_;  // why the last one by the schedule was not made

@@ -77,6 +77,7 @@ Awaitable<void> DatabaseUpkeep::watch() {
 Awaitable<void> DatabaseUpkeep::keep_backups() {
   constexpr double kLookAtSchedule_s = 60;
   CellTime measured{0};
+  co_await backups_.remove_unfinished();
   while (!ending_) {
     const auto now = clock_.now().utc;
     if (seconds_from(now - measured) >= kMeasure_s) {

@@ -34,8 +34,7 @@ struct Dataset {
   std::vector<double> dwell_s;
   std::vector<std::int64_t> run;
   std::vector<std::int64_t> datum;
-  // 1: kept out of fits, on a person's word (docs/database.md). Effects with memory still run over
-  // the row.
+  // Above 0: kept out of fits (row_marks.h). Effects with memory still run over the row.
   std::vector<std::uint8_t> excluded;
 
   std::vector<DatasetColumn> columns;  // the channels, in file order

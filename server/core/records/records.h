@@ -136,6 +136,9 @@ struct PointRecord {
   PointSet set = PointSet::calibration;
   std::int64_t line = 0;
   bool zero = false;
+  // The run came by beside its plan (docs/formats.md); row is then a number after those of the
+  // plan.
+  bool passage = false;
   Stamp measured;                    // middle of its readings
   double dwell_s = 0;                // between the end of the move and the measurement
   std::vector<double> commanded_mm;  // motor coordinates, in order of the axes
@@ -158,6 +161,7 @@ struct PointCommit {
   std::vector<MoveRecord> moves;
   Place place;                                // where the run stands after this
   std::vector<RejectedAnswer> rejected = {};  // of any readings, waiting to be stored
+  std::vector<PointRecord> passages = {};     // before the point, oldest first; the store sets row
 };
 
 struct EventRecord {

@@ -131,6 +131,7 @@ struct SeriesColumn {
   std::string channel;
   std::vector<double> min, max, mean;  // per bucket; kMissing where count is 0
   std::vector<std::int64_t> count;
+  bool recorded = true;  // the database has readings or points of this channel
 };
 
 // Buckets of equal length from `from` on. They may be somewhat longer than asked for, so that their

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <string>
 #include <unordered_map>
 
 #include "server/core/data/reading.h"
@@ -245,8 +247,15 @@ bool CsvRows::number(double& value) {
   constexpr const char* kExpected = "a finite number such as -1.5e-3, or nothing";
   if (const char* after = read_plain_decimal(at_, end_, value))
     return finish_field(after, kExpected, reasons::kBadNumber);
-  const auto [after, code] = std::from_chars(at_, end_, value);
-  if (code != std::errc{} || !std::isfinite(value)) return refuse(reasons::kBadNumber, kExpected);
+  // from_chars knows no plus, and does not tell 1e-400, which is zero, from 1e400.
+  const char* first = at_;
+  if (*first == '+' && first + 1 != end_ && first[1] != '-') ++first;
+  const auto [after, code] = std::from_chars(first, end_, value);
+  if (code == std::errc::result_out_of_range)
+    value = std::strtod(std::string(first, after).c_str(), nullptr);
+  else if (code != std::errc{})
+    return refuse(reasons::kBadNumber, kExpected);
+  if (!std::isfinite(value)) return refuse(reasons::kBadNumber, kExpected);
   return finish_field(after, kExpected, reasons::kBadNumber);
 }
 

@@ -20,6 +20,7 @@ std::string write_dataset_csv(const Dataset& data) {
   }
 
   const bool any_suspect = std::ranges::find(data.excluded, kSuspectRow) != data.excluded.end();
+  const bool any_passage = std::ranges::find(data.excluded, kPassageRow) != data.excluded.end();
   const std::size_t header_start = out.size();
   const auto name = [&](std::string_view text) {
     out.append(out.size() > header_start ? "," : "").append(text);
@@ -33,6 +34,7 @@ std::string write_dataset_csv(const Dataset& data) {
   if (!data.dwell_s.empty()) name("dwell_s");
   if (!data.excluded.empty()) name("excluded");
   if (any_suspect) name("suspect");
+  if (any_passage) name("passage");
   for (const auto& column : data.columns) name(column.channel.name());
   out += '\n';
 
@@ -53,6 +55,7 @@ std::string write_dataset_csv(const Dataset& data) {
     if (!data.dwell_s.empty()) next(), append_number(out, data.dwell_s[row]);
     if (!data.excluded.empty()) next(), out += data.excluded[row] ? '1' : '0';
     if (any_suspect) next(), out += is_suspect(data, row) ? '1' : '0';
+    if (any_passage) next(), out += is_passage(data, row) ? '1' : '0';
     for (const auto& column : data.columns) next(), append_number(out, column.values[row]);
     if (out.size() == row_start)
       out += ' ';  // a lone empty field: an empty line would be passed over

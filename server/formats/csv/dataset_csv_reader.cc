@@ -29,6 +29,7 @@ enum class CsvColumn : std::uint8_t {
   datum,
   excluded,
   suspect,
+  passage,
   channel
 };
 
@@ -36,26 +37,27 @@ struct Named {
   std::string_view name;
   CsvColumn kind;
 };
-constexpr std::array<Named, 9> kOwnColumns = {{{"time_s", CsvColumn::time},
-                                               {"set", CsvColumn::set},
-                                               {"line", CsvColumn::line},
-                                               {"zero", CsvColumn::zero},
-                                               {"dwell_s", CsvColumn::dwell},
-                                               {"run", CsvColumn::run},
-                                               {"datum", CsvColumn::datum},
-                                               {"excluded", CsvColumn::excluded},
-                                               {"suspect", CsvColumn::suspect}}};
+constexpr std::array<Named, 10> kOwnColumns = {{{"time_s", CsvColumn::time},
+                                                {"set", CsvColumn::set},
+                                                {"line", CsvColumn::line},
+                                                {"zero", CsvColumn::zero},
+                                                {"dwell_s", CsvColumn::dwell},
+                                                {"run", CsvColumn::run},
+                                                {"datum", CsvColumn::datum},
+                                                {"excluded", CsvColumn::excluded},
+                                                {"suspect", CsvColumn::suspect},
+                                                {"passage", CsvColumn::passage}}};
 
-// With the column that ends up as a mark in excluded.
+// With the columns that end up as marks in excluded.
 struct DatasetRead : Dataset {
-  std::vector<std::uint8_t> suspect;
+  std::vector<std::uint8_t> suspect, passage;
 };
 
-void take_over_suspects(DatasetRead& data) {
-  if (data.suspect.empty()) return;
+void take_over(const std::vector<std::uint8_t>& column, std::uint8_t mark, Dataset& data) {
+  if (column.empty()) return;
   if (data.excluded.empty()) data.excluded.assign(data.rows, kInUse);
   for (std::size_t row = 0; row < data.rows; ++row)
-    if (data.suspect[row] != 0) data.excluded[row] = kSuspectRow;
+    if (column[row] != 0) data.excluded[row] = mark;
 }
 
 // A column of the file, and where its values go.
@@ -140,6 +142,8 @@ void visit_column(DatasetRead& data, CsvColumn kind, std::size_t channel, Use us
       return use(data.excluded);
     case CsvColumn::suspect:
       return use(data.suspect);
+    case CsvColumn::passage:
+      return use(data.passage);
     case CsvColumn::channel:
       return use(data.columns[channel].values);
   }
@@ -191,6 +195,7 @@ bool read_row(CsvRows& rows, const std::vector<Column>& columns, std::size_t at)
       case CsvColumn::zero:
       case CsvColumn::excluded:
       case CsvColumn::suspect:
+      case CsvColumn::passage:
         if (!rows.flag(truth)) return false;
         column.flags[at] = truth ? 1 : 0;
         break;
@@ -351,7 +356,8 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   for (std::size_t i = 0; i < kinds.size(); ++i)
     visit_column(data, kinds[i], before[i],
                  [&](auto& values) { close_gaps(values, chunks, found); });
-  take_over_suspects(data);
+  take_over(data.suspect, kSuspectRow, data);
+  take_over(data.passage, kPassageRow, data);
   return std::move(static_cast<Dataset&>(data));
 }
 

@@ -148,7 +148,7 @@ class Cell:
         """Row -> hash of what is stored of its point."""
         points = collections.defaultdict(list)
         for row, *rest in self.rows("SELECT trajectory_row, point_id, datum_id, measured_ns, (SELECT group_concat(channel_id || '=' || value) "
-                                    "FROM point_value v WHERE v.point_id = p.point_id) FROM point p WHERE run_id = %d" % run):
+                                    "FROM point_value v WHERE v.point_id = p.point_id) FROM planned_point p WHERE run_id = %d" % run):
             points[row].append(hashlib.sha256(repr(rest).encode()).hexdigest())
         return points
 
@@ -193,7 +193,7 @@ class Cell:
         doubled = sum(len(one) - 1 for one in points.values())
         doubled += self.count("SELECT count(*) FROM (SELECT 1 FROM attempt WHERE verdict = 'accepted' GROUP BY run_id, trajectory_row "
                               "HAVING count(*) > 1)")
-        doubled += abs(self.count("SELECT count(*) FROM point") -
+        doubled += abs(self.count("SELECT count(*) FROM planned_point") -
                        self.count("SELECT count(*) FROM attempt WHERE verdict = 'accepted'"))
         if self.rows("PRAGMA integrity_check") != [("ok",)]:
             raise Trouble("the file is damaged")

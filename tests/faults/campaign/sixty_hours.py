@@ -117,7 +117,7 @@ def main():
     begun = time.monotonic()
     with Cell(given.programs, given.source, kind=given.kind, speed=given.speed, seed=given.seed) as cell:
         samples, runs, stops, lost, doubled = measure(cell, given.hours, given.kind)
-        points, alarms = cell.count("SELECT count(*) FROM point"), cell.rows("SELECT kind, subject FROM alarm")
+        points, alarms = cell.count("SELECT count(*) FROM planned_point"), cell.rows("SELECT kind, subject FROM alarm")
         hours = cell_hours(cell)
     spent = time.monotonic() - begun
     bad = ["%d rows lost, %d doubled" % (lost, doubled)] if lost or doubled else []

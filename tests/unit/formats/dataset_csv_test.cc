@@ -137,6 +137,8 @@ INSTANTIATE_TEST_SUITE_P(
                        "decimal commas: write decimals with points"},
         DatasetMistake{"Nan", "x_mm\nnan\n", "BAD_NUMBER", "found 'nan'"},
         DatasetMistake{"MinusInf", "x_mm\n-inf\n", "BAD_NUMBER", "found '-inf'"},
+        DatasetMistake{"TwoSigns", "x_mm\n+-1\n", "BAD_NUMBER", "found '+-1'"},
+        DatasetMistake{"PlusWord", "x_mm\n+inf\n", "BAD_NUMBER", "found '+inf'"},
         DatasetMistake{"TooLarge", "x_mm\n1e999\n", "BAD_NUMBER", "found '1e999'"},
         DatasetMistake{"Quotes", "x_mm\n\"1\"\n", "QUOTED_FIELD",
                        "drift.csv:2: column x_mm: found '\"1\"'"},
@@ -298,6 +300,14 @@ TEST(DatasetCsv, KeepsAMissingValueInAFileOfOneColumn) {
   ASSERT_TRUE(back) << back.error().message;
   ASSERT_EQ(back->rows, 3u);
   EXPECT_TRUE(is_missing(back->columns[0].values[1]));
+}
+
+// As the mapping of an import and the text line take it; the nearest double of 1e-400 is zero.
+TEST(DatasetCsv, TakesAPlusAndANumberTooSmallForADouble) {
+  const auto data = read_dataset_csv("x_mm,q1_mm\n+20.03,1e-400\n+1e3,-1e-400\n", "a.csv");
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_EQ(data->find("x")->values, (std::vector<double>{20.03, 1000}));
+  EXPECT_EQ(data->find("q1")->values, (std::vector<double>{0, 0}));
 }
 
 }  // namespace

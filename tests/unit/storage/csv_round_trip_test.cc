@@ -1,5 +1,6 @@
 // export(import(file)) == file, to the byte, for a file that our exporter wrote.
 
+#include "server/core/data/row_marks.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "tests/unit/storage/store_fixture.h"
 
@@ -64,6 +65,30 @@ TEST_F(CsvRoundTrip, KeepsWhichRowsAreExcluded) {
       formats::write_dataset_csv(store->runs().dataset(std::vector{run}).value());
   EXPECT_THAT(csv, testing::HasSubstr("dwell_s,excluded,q1_mm"));
   EXPECT_EQ(exported_after_import(*store, csv), csv);
+}
+
+TEST_F(CsvRoundTrip, KeepsWhichRowsAreBesideThePlan) {
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 1)));
+  PointCommit second = example_commit(run, datum, 2);
+  PointRecord passage = *second.point;
+  passage.zero = true;
+  passage.measured = at_s(30);
+  passage.values = {{"q1_mm", 1e-5}, {"t01_degC", 20.52}};
+  second.passages = {passage};
+  ASSERT_TRUE(store->points().commit(second));
+  const std::string csv =
+      formats::write_dataset_csv(store->runs().dataset(std::vector{run}).value());
+  EXPECT_THAT(csv, testing::HasSubstr("dwell_s,excluded,passage,q1_mm"));
+  const Dataset read = formats::read_dataset_csv(csv, "run.csv").value();
+  EXPECT_THAT(read.excluded, testing::ElementsAre(kInUse, kPassageRow, kInUse));
+  EXPECT_EQ(exported_after_import(*store, csv), csv);
+}
+
+TEST_F(CsvRoundTrip, WithoutSuchARowAFileHasNoSuchColumn) {
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 1)));
+  const auto rows = store->runs().dataset(std::vector{run}).value();
+  EXPECT_THAT(rows.excluded, testing::IsEmpty());
+  EXPECT_THAT(formats::write_dataset_csv(rows), testing::Not(testing::HasSubstr("passage")));
 }
 
 // All of it through the migrations: the rows are those that version 1 exported itself.

@@ -123,6 +123,9 @@ TEST_F(RunStoreTest, ListsRunsNewestFirstByPages) {
   ASSERT_EQ(page.size(), 2u);
   EXPECT_EQ(page[0].id, third);
   EXPECT_EQ(page[1].id, second);
+  EXPECT_EQ(page[1].trajectory_text, "") << "a list of grids would have hundreds of megabytes";
+  EXPECT_EQ(store->runs().run(second)->trajectory_text, example_run().trajectory_text);
+  EXPECT_EQ(page[1].rows, example_run().rows);
   EXPECT_EQ(store->runs().runs(2, page[1].id.value).value().at(0).id, run);
 }
 

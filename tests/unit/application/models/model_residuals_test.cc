@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "server/formats/csv/dataset_csv.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -84,6 +85,37 @@ TEST_F(ModelResidualsTest, OfItsOwnAndALaterRunTogetherAreThoseOfEach) {
   EXPECT_EQ(of_run(both, runs[1]), residuals(model, {runs[1]}).outputs[0].values);
   EXPECT_EQ(of_run(both, runs[2]), residuals(model, {runs[2]}).outputs[0].values);
   EXPECT_LT(std::abs(mean(of_run(both, runs[2]))), 40);
+}
+
+TEST_F(ModelResidualsTest, OfAModelInOtherUnitsAreThoseOfTheSameModelInTheCells) {
+  const auto csv = cell.await(cell->datasets.export_csv({runs[0]}, false));
+  ASSERT_TRUE(csv);
+  auto data = formats::read_dataset_csv(*csv, "run.csv");
+  ASSERT_TRUE(data);
+  application::FitRequest fit;
+  fit.formula = "q1 ~ x + t01";
+  fit.csv = formats::write_dataset_csv(*data);
+  const auto own = cell.await(cell->models.fit(cell.ada, fit));
+  for (auto& column : data->columns) {
+    const std::string unit = column.channel.unit;
+    if (unit == "degC") column.channel.unit = "K";
+    if (unit == "mm") column.channel.unit = "um";
+    for (double& value : column.values)
+      value = unit == "degC" ? value + 273.15 : unit == "mm" ? value * 1e3 : value;
+  }
+  fit.csv = formats::write_dataset_csv(*data);
+  const auto foreign = cell.await(cell->models.fit(cell.ada, fit));
+  ASSERT_TRUE(own && foreign) << (own ? foreign : own).error().message;
+  const auto expected = residuals(own->id, {runs[1]}).outputs[0].values;
+  const auto found = residuals(foreign->id, {runs[1]}).outputs[0].values;
+  const auto of_text = cell.await(cell->models.residuals(foreign->id, {}, *csv));
+  const auto of_own = cell.await(cell->models.residuals(own->id, {}, *csv));
+  ASSERT_TRUE(of_text && of_own);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t row = 0; row < expected.size(); ++row)
+    EXPECT_NEAR(found[row], expected[row], 0.01);
+  for (std::size_t row = 0; row < of_own->data.rows; ++row)
+    EXPECT_NEAR(of_text->outputs[0].values[row], of_own->outputs[0].values[row], 0.01);
 }
 
 TEST_F(ModelResidualsTest, OfARunWithoutAKnownZeroHaveNoMeanAndSaySo) {

@@ -23,7 +23,7 @@ class AtTheMachine : public testing::Test {
   Folder folder;
   SmallWorld world;
   CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
-  const Caller bob{"bob", "ipv4:127.0.0.1:5021"};
+  const Caller bob{"bob", "ipv4:127.0.0.1:5021", {}};
   const std::string trajectory = lines_of(2, {2, -3, 1}, true);
 
   RunId begin_and_accept(int count) {
@@ -380,7 +380,7 @@ TEST_F(AfterAwayTest, AStopCancelsTheAnnouncedMotion) {
   const int homes = world.homes, moves = world.moves;
   CellInMemory cell(world, description, kSqlite, after("second"));
   cell.until([&] { return cell.status().run && cell.status().run->phase == "about to move"; });
-  static_cast<void>(cell.await(cell->manual.stop_all({"bob", "peer"})));
+  static_cast<void>(cell.await(cell->manual.stop_all({"bob", "peer", {}})));
   cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   cell.pass(7200);
   EXPECT_EQ(world.homes + world.moves, homes + moves);
@@ -400,7 +400,7 @@ TEST_F(AfterAwayTest, PausedStaysPausedWithWhoPausedIt) {
   cell.until(
       [&] { return cell.status().run && cell.status().run->run.hold.kind != RunHold::Kind::none; });
   EXPECT_EQ(cell.status().run->run.hold.who, "ada");
-  EXPECT_EQ(cell.resume({"bob", "peer"}).error().reason, "STOPPED_BY_ANOTHER");
+  EXPECT_EQ(cell.resume({"bob", "peer", {}}).error().reason, "STOPPED_BY_ANOTHER");
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done);
 }

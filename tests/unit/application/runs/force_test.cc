@@ -175,7 +175,7 @@ class ConfirmedBesideAnAbort : public testing::Test {
 TEST_F(ConfirmedBesideAnAbort, IsRefusedWhenTheRunEndsWhileTheWordIsStored) {
   wait_for_the_person();
   at("before_readings_commit", [this] {
-    static_cast<void>(cell.await(cell->runs.abort({"bob", "peer"}, run, "enough")));
+    static_cast<void>(cell.await(cell->runs.abort({"bob", "peer", {}}, run, "enough")));
     cell.until([this] { return !cell.status().run; });
   });
   const auto confirmed = cell.await(cell->runs.confirm_force(cell.ada, run, 0));
@@ -190,7 +190,7 @@ TEST_F(ConfirmedBesideAnAbort, IsRefusedWhenTheRunIsAlreadyAborted) {
   std::optional<Result<RunRecord>> confirmed;
   at("before_run_state_commit",
      [&] { confirmed = cell.await(cell->runs.confirm_force(cell.ada, run, 0)); });
-  static_cast<void>(cell.await(cell->runs.abort({"bob", "peer"}, run, "enough")));
+  static_cast<void>(cell.await(cell->runs.abort({"bob", "peer", {}}, run, "enough")));
   cell.until([&] { return confirmed && !cell.status().run; });
   ASSERT_FALSE(*confirmed);
   EXPECT_EQ(confirmed->error().reason, "RUN_ABORTED");

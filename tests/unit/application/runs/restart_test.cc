@@ -82,9 +82,13 @@ Found look(const std::string& database) {
   found.run = runs.front();
   const auto all_points = *store->points().points(runs.front().id, 0, 1000);
   const auto old = *store->closures().repeated_points(runs.front().id);
-  found.repeated = static_cast<int>(old.size());
-  for (const auto& point : all_points)
-    if (!std::ranges::binary_search(old, point.id)) ++found.points_of_row[point.row];
+  for (const auto& point : all_points) {
+    if (point.passage) continue;
+    if (std::ranges::binary_search(old, point.id))
+      ++found.repeated;
+    else
+      ++found.points_of_row[point.row];
+  }
   found.data = *store->points().data(runs.front().id);
   found.attempts = *store->points().attempts(runs.front().id);
   return found;

@@ -156,14 +156,14 @@ TEST_F(RunTroubles, StopAllHaltsTheAxisAtOnceAndNeedsNoLease) {
   begin_and_accept(2);
   cell.until([&] { return cell.status().run->phase == "moving"; });
   const int stops = world.stops;
-  EXPECT_TRUE(cell.await(cell->manual.stop_all({"bob", "peer"}))->confirmed);
+  EXPECT_TRUE(cell.await(cell->manual.stop_all({"bob", "peer", {}}))->confirmed);
   EXPECT_GT(world.stops, stops);
   cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   EXPECT_EQ(cell.status().run->run.reason, "stopped by bob");
   EXPECT_EQ(cell.status().run->run.accepted, 2);  // unlike a pause, the point was not finished
   cell.pass(1000);
   EXPECT_EQ(cell.status().run->run.accepted, 2);
-  ASSERT_TRUE(cell.resume({"bob", "peer"}));
+  ASSERT_TRUE(cell.resume({"bob", "peer", {}}));
   expect_complete(cell.finish_run());
   EXPECT_EQ(world.zeroings, 1);  // one slip costs one attempt, not the zero
 }
@@ -173,7 +173,7 @@ TEST_F(RunTroubles, StopAllHoldsARunThatWaitsForADevice) {
   world.axis_away = true;
   expect_waiting();
   // He hears that the axis is away, and the stop stays pending until it is back.
-  EXPECT_FALSE(cell.await(cell->manual.stop_all({"bob", "peer"}))->confirmed);
+  EXPECT_FALSE(cell.await(cell->manual.stop_all({"bob", "peer", {}}))->confirmed);
   cell.pass(60);
   EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
   EXPECT_EQ(cell.status().pending_stops.size(), 1u);
@@ -182,15 +182,15 @@ TEST_F(RunTroubles, StopAllHoldsARunThatWaitsForADevice) {
   cell.pass(600);
   EXPECT_EQ(cell.status().run->run.state, RunState::paused);
   // Stopped once more while it stands, it stands on, with who was last.
-  ASSERT_TRUE(cell.await(cell->manual.stop_all({"eve", "peer"})));
+  ASSERT_TRUE(cell.await(cell->manual.stop_all({"eve", "peer", {}})));
   cell.until([&] { return cell.status().run->run.reason == "stopped by eve"; });
-  ASSERT_TRUE(cell.resume({"eve", "peer"}));
+  ASSERT_TRUE(cell.resume({"eve", "peer", {}}));
   expect_complete(cell.finish_run());
 }
 
 TEST_F(RunTroubles, AStoppedRunCanBeAborted) {
   begin_and_accept(2);
-  ASSERT_TRUE(cell.await(cell->manual.stop_all({"bob", "peer"})));
+  ASSERT_TRUE(cell.await(cell->manual.stop_all({"bob", "peer", {}})));
   ASSERT_TRUE(cell.await(cell->runs.abort(cell.ada, run(), "enough")));
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::aborted);

@@ -32,6 +32,13 @@ class BackupsInACell : public testing::Test {
     description.backup = std::move(rules);
     return cell_.emplace(world, description, kSqlite, kWorldBegin);
   }
+  std::string identity() const {
+    return kSqlite(folder / "cell.sqlite", true).value()->records().database_id().value();
+  }
+  // "kept/cell-0f3a9c1d2e4b5061-20261122-093000.db"
+  std::string own_copy(const std::string& instant) const {
+    return folder / ("kept/cell-" + identity() + "-" + instant + ".db");
+  }
   std::vector<std::string> files(const std::string& extension) const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder / "kept"))
@@ -77,12 +84,54 @@ TEST_F(BackupsInACell, ThatFailAreAnAlarmUntilOneIsMade) {
 
 TEST_F(BackupsInACell, ABackupOfAClockThatWasAheadKeepsNoOtherFromBeingMade) {
   fs::create_directories(folder / "kept");
-  std::ofstream(folder / "kept/cell-20990101-000000.db") << "made while the computer was in 2099";
   auto& running = cell({folder / "kept", 2, 2});
+  std::ofstream(own_copy("20990101-000000")) << "made while the computer was in 2099";
   running.pass(9 * 3600);
   EXPECT_THAT(running.events_named("backup.made"), SizeIs(testing::Ge(4)));
   ASSERT_THAT(files(".db"), SizeIs(2));
   EXPECT_THAT(files(".db"), testing::Each(testing::Not(HasSubstr("2099")))) << "it is the oldest";
+}
+
+// Every template of a cell file names the same database, and a share holds the copies of all cells.
+TEST_F(BackupsInACell, OfAnotherCellInTheSameFolderAreNeitherCountedNorRemoved) {
+  fs::create_directories(folder / "kept");
+  const std::string others = folder / "other.sqlite";
+  auto other = kSqlite(others, false).value();
+  const std::string of_before = folder / "kept/cell-20261122-120000.db",
+                    of_now = folder / "kept/cell-0123456789abcdef-20261122-120000.db";
+  ASSERT_TRUE(other->audit().back_up(of_before, {}));
+  fs::copy_file(of_before, of_now);
+  auto& running = cell({folder / "kept", 2, 2});
+  running.pass(600);
+  EXPECT_THAT(running.events_named("backup.made"), SizeIs(1)) << "it had none of its own";
+  running.pass(9 * 3600);
+  EXPECT_TRUE(fs::exists(of_before));
+  EXPECT_TRUE(fs::exists(of_now));
+  EXPECT_THAT(files(".db"), SizeIs(2 + 2)) << "two of its own";
+}
+
+TEST_F(BackupsInACell, OfAnEarlierProgramAreItsOwnByWhatTheyHold) {
+  auto& running = cell({folder / "kept", 2, 2});
+  running.pass(600);
+  ASSERT_THAT(files(".db"), SizeIs(1));
+  const std::string of_before = folder / "kept/cell-20200101-000000.db";
+  fs::copy_file(files(".db").front(), of_before);
+  running.pass(9 * 3600);
+  EXPECT_FALSE(fs::exists(of_before)) << "the oldest of its own";
+  EXPECT_THAT(files(".db"), SizeIs(2));
+}
+
+TEST_F(BackupsInACell, ThatWereKilledOnTheWayLeaveNothingForLong) {
+  cell({"", 0, 3}).shut_down();
+  fs::create_directories(folder / "kept");
+  const auto part = own_copy("20261122-093000") + ".part";
+  const std::string others = folder / "kept/cell-0123456789abcdef-20261122-093000.db.part";
+  for (const auto& file : {part, part + "-journal", others}) std::ofstream(file) << "half";
+  auto& running = cell({folder / "kept", 0, 3});
+  running.pass(10);
+  EXPECT_FALSE(fs::exists(part));
+  EXPECT_FALSE(fs::exists(part + "-journal"));
+  EXPECT_TRUE(fs::exists(others)) << "another cell may be making it";
 }
 
 // The name of the backup is longer than a file system takes, so that nobody can say whether there

@@ -12,6 +12,7 @@
 #include "server/application/support/support_bundles.h"
 #include "server/formats/text/gzip.h"
 #include "tests/support/cell_in_memory.h"
+#include "tests/support/sql_query.h"
 #include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
@@ -145,12 +146,17 @@ TEST_F(AtCommissioning, ARestRecordsTheLengthsAndSaysSinceWhenTheCellIsWarm) {
   ASSERT_TRUE(running.await(running->commissioning.end_rest(running.ada)));
   running.pass(600);
   EXPECT_EQ(running.await(running->commissioning.rest())->end_reason, "ended by ada");
-  // Lengths are stored while the cell rests, and not afterwards.
+  // Lengths are stored while the cell rests, and not afterwards; the air beside them every 20 s.
   const auto at_rest = running.await(running.read([end = report->begin](Store& store) {
     return store.readings().readings("laser-x", end, {end.utc_ns + 7200'000'000'000}, 0);
   }));
   ASSERT_TRUE(at_rest);
-  EXPECT_NEAR(static_cast<double>(at_rest->size()), 1800, 30);
+  const auto lengths = std::count_if(at_rest->begin(), at_rest->end(), [](const Reading& one) {
+    return std::any_of(one.values.begin(), one.values.end(),
+                       [](const auto& value) { return value.channel == "x_mm"; });
+  });
+  EXPECT_NEAR(static_cast<double>(lengths), 1800, 30);
+  EXPECT_NEAR(static_cast<double>(std::ssize(*at_rest) - lengths), 600.0 / 20, 2);
 }
 
 TEST_F(AtCommissioning, ACellThatWarmsIsNotWarm) {
@@ -175,6 +181,18 @@ TEST_F(AtCommissioning, AMovementEndsTheRest) {
   EXPECT_EQ(
       running.await(running->commissioning.begin_rest(running.ada, {20, 0.05, 1})).error().reason,
       "BAD_LIMITS");
+}
+
+TEST_F(AtCommissioning, ARestThatIsBegunAnewHasAnEndOnRecord) {
+  auto& running = cell();
+  ASSERT_TRUE(running.await(running->commissioning.begin_rest(running.ada, {})));
+  const auto first = *running.await(running.read([](Store& s) { return s.rests().newest_rest(); }));
+  running.pass(60);
+  ASSERT_TRUE(running.await(running->commissioning.begin_rest(running.ada, {})));
+  running.pass(5);
+  ASSERT_TRUE(running.await(running->commissioning.end_rest(running.ada)));
+  const auto sql = "SELECT count(*) FROM rest WHERE ended_ns = 0";
+  EXPECT_EQ(count_of(folder / "cell.sqlite", sql), 0) << "rest " << first->id << " has no end";
 }
 
 TEST_F(AtCommissioning, TheStabilityOfAChannelIsReadFromTheRecord) {

@@ -1,7 +1,9 @@
 // A disk that is full for a while: the run waits, says so, and loses nothing.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "server/application/plumbing/store_writer.h"
@@ -10,6 +12,8 @@
 
 namespace driftwise::tests {
 namespace {
+
+const Error kNoRoom{ErrorCode::resource_exhausted, "DISK_FULL", "the disk is full: make room"};
 
 // Passes everything on, but refuses commits while the disk is full, or marks alone.
 class FullDisk final : public Store,
@@ -21,8 +25,13 @@ class FullDisk final : public Store,
                        StopStore,
                        RemarkStore {
  public:
-  FullDisk(std::unique_ptr<Store> inner, const bool& full, const bool& no_marks)
-      : Store(before(*inner, this)), inner_(std::move(inner)), full_(full), no_marks_(no_marks) {}
+  FullDisk(std::unique_ptr<Store> inner, const bool& full, const bool& no_marks,
+           Error refusal = kNoRoom)
+      : Store(before(*inner, this)),
+        inner_(std::move(inner)),
+        full_(full),
+        no_marks_(no_marks),
+        refusal_(std::move(refusal)) {}
 
  private:
   // Asked before its own bases stand: a static function, for nothing of it may be called yet.
@@ -40,8 +49,7 @@ class FullDisk final : public Store,
   }
   template <class T>
   Result<T> or_full(std::function<Result<T>()> call) {
-    if (full_)
-      return fail(ErrorCode::resource_exhausted, "DISK_FULL", "the disk is full: make room");
+    if (full_) return tl::unexpected(refusal_);
     return call();
   }
   Result<RunRecord> create_run(const NewRun& run) override {
@@ -135,6 +143,9 @@ class FullDisk final : public Store,
                              const std::function<bool()>& give_way) override {
     return inner_->audit().verify(outside, give_way);
   }
+  std::string record_in(const std::string& path) override {
+    return inner_->audit().record_in(path);
+  }
   Result<RecordCopy> back_up(const std::string& path,
                              const std::function<bool()>& give_way) override {
     return or_full<RecordCopy>([&] { return inner_->audit().back_up(path, give_way); });
@@ -145,6 +156,7 @@ class FullDisk final : public Store,
 
   std::unique_ptr<Store> inner_;
   const bool &full_, &no_marks_;
+  const Error refusal_;
 };
 
 class FullDiskTest : public testing::Test {
@@ -294,6 +306,150 @@ TEST_P(HaltOnAFullDisk, IsNoSecretOnceItIsOnRecord) {
 INSTANTIATE_TEST_SUITE_P(By, HaltOnAFullDisk,
                          testing::Values(Halt{"Stop", true}, Halt{"Pause", false}),
                          [](const auto& row) { return std::string(row.param.name); });
+
+// The next start goes by the record alone: without a run nothing else says that somebody stopped.
+TEST_F(FullDiskTest, AStopWithoutARunIsWrittenAgainUntilItIsOnRecord) {
+  cell.pass(10);
+  full = true;
+  const auto answer = cell.await(cell->manual.stop_all(cell.ada));
+  ASSERT_TRUE(answer);
+  EXPECT_TRUE(answer->confirmed) << "by the controller";
+  EXPECT_THAT(answer->message, testing::HasSubstr("not on record yet: the disk is full"));
+  cell.pass(60);
+  const auto lease = cell.lease();
+  const auto moved = cell.await(cell->manual.move_to(cell.ada, lease, {1}, {}));
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().reason, "STOP_PENDING");
+  EXPECT_EQ(cell.await(cell->queue.release(cell.ada)).error().reason, "STOP_PENDING");
+  full = false;
+  cell.pass(10);
+  const auto record = *storage::open_sqlite_store(folder / "cell.sqlite", true);
+  EXPECT_TRUE(record->queue().queue(10)->hold.held) << "the next start would begin the queue";
+  EXPECT_TRUE(record->stops().pending()->empty()) << "confirmed";
+  EXPECT_EQ(cell.events_named("stop").size(), 1u);
+  EXPECT_TRUE(cell.await(cell->queue.release(cell.ada)));
+  EXPECT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+}
+
+TEST_F(FullDiskTest, AStopWithoutARunIsToldByACellThatEndsWithoutRoom) {
+  full = true;
+  ASSERT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
+  cell.pass(60);
+  cell.shut_down();
+  const auto halt = cell.halt_not_on_record();
+  ASSERT_TRUE(halt) << "the next start would begin the queue";
+  EXPECT_EQ(halt->who, "ada");
+}
+
+TEST_F(FullDiskTest, AMovementByHandIsNotBegunWithoutARecordOfIt) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  const int moves = world.moves;
+  const auto lease = cell.lease();
+  full = true;
+  const auto moved = cell.await(cell->manual.move_to(cell.ada, lease, {1}, {}));
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().reason, "DISK_FULL");
+  EXPECT_EQ(cell.await(cell->manual.home(cell.ada, lease)).error().reason, "DISK_FULL");
+  EXPECT_EQ(world.moves, moves);
+  full = false;
+  EXPECT_TRUE(cell.await(cell->manual.move_to(cell.ada, lease, {1}, {})));
+  cell.pass(20);
+  EXPECT_EQ(cell.events_named("axes.move").size(), 1u) << "the refused one is not on record";
+}
+
+// Another program holds the database: like a full disk that passes.
+class LockedDatabase : public testing::Test {
+ protected:
+  Folder folder;
+  SmallWorld world;
+  bool locked = false, no_marks = false;
+  OpenStore open = [this](const std::string& path,
+                          bool read_only) -> Result<std::unique_ptr<Store>> {
+    auto store = storage::open_sqlite_store(path, read_only);
+    if (!store || read_only) return store;
+    return std::make_unique<FullDisk>(
+        std::move(*store), locked, no_marks,
+        Error{ErrorCode::failed_precondition, "DATABASE_LOCKED", "another program holds it"});
+  };
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), open};
+
+  RunState on_record(RunId id) {
+    return (*storage::open_sqlite_store(folder / "cell.sqlite", true))->runs().run(id)->state;
+  }
+  // Locked from its last point on.
+  RunId finish_a_run_that_is_not_stored() {
+    const auto id = cell.begin_run(lines_of(1, {2, -3, 1}, true)).id;
+    cell.until([&] { return cell.status().run->run.accepted == 4; });
+    locked = true;
+    cell.until([&] { return cell.status().run && is_over(cell.status().run->run.state); });
+    return id;
+  }
+};
+
+TEST_F(LockedDatabase, MakesARunWaitWhichLosesNothing) {
+  const auto id = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  locked = true;
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+  cell.pass(300);
+  locked = false;
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_EQ(cell.await(cell.points(id, 0, 100))->size(), 8u);
+}
+
+TEST_F(LockedDatabase, KeepsARunUnderWayUntilItsEndIsOnRecord) {
+  const auto id = finish_a_run_that_is_not_stored();
+  cell.pass(300);
+  ASSERT_TRUE(cell.status().run) << "still under way";
+  EXPECT_EQ(cell.status().run->phase, "waiting until its end is on record");
+  EXPECT_NE(on_record(id), RunState::done);
+  locked = false;
+  cell.pass(30);
+  EXPECT_EQ(on_record(id), RunState::done);
+  EXPECT_FALSE(cell.status().run);
+}
+
+TEST_F(LockedDatabase, EndsWithAStopForTheNextStartWhereTheEndOfARunIsNotOnRecord) {
+  const auto id = finish_a_run_that_is_not_stored();
+  cell.pass(300);
+  cell.shut_down();
+  EXPECT_TRUE(cell.halt_not_on_record())
+      << "the next start would drive the robot for run " << id.value << ", which is over";
+}
+
+TEST_F(LockedDatabase, DelaysTheRecordOfAnActAndLosesNone) {
+  locked = true;
+  static_cast<void>(cell.lease());
+  cell.pass(60);
+  locked = false;
+  cell.pass(20);
+  EXPECT_EQ(cell.events_named("lease.taken").size(), 1u);
+  const auto acts = cell.await(cell.read([](Store& store) { return store.audit().acts(0, 100); }));
+  EXPECT_EQ(std::ranges::count(*acts, "lease.taken", &AuditRecord::what), 1);
+}
+
+// The database is damaged: what people did will never be on record, and they are told.
+TEST(ActsThatAreLost, RaiseAnAlarm) {
+  Folder folder;
+  SmallWorld world;
+  bool damaged = false, no_marks = false;
+  const OpenStore open = [&](const std::string& path,
+                             bool read_only) -> Result<std::unique_ptr<Store>> {
+    auto store = storage::open_sqlite_store(path, read_only);
+    if (!store || read_only) return store;
+    return std::make_unique<FullDisk>(
+        std::move(*store), damaged, no_marks,
+        Error{ErrorCode::data_loss, "DATABASE_DAMAGED", "the file is damaged"});
+  };
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), open};
+  cell.pass(10);
+  damaged = true;
+  static_cast<void>(cell.lease());
+  cell.pass(20);
+  const auto alarms = cell.alarms_of("record.dropped");
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_THAT(alarms.front(), testing::HasSubstr("1 acts of people"));
+}
 
 TEST(ReadingsOnAFullDisk, KeepTheirOrderWhenTwoParcelsAreRefusedAtATime) {
   Folder folder;

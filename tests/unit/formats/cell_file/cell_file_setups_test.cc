@@ -45,6 +45,22 @@ TEST(CellFileSetups, SayWhichInstrumentGivesWhichCoordinate) {
   EXPECT_TRUE(x.may_be_missing());
 }
 
+TEST(CellFileSetups, MayMoveTheZeroWithinTheRange) {
+  for (const char* range : {"offset = 5\nmin = 1\n", "offset = -2\nmin = -2\nmax = 3\n"})
+    EXPECT_TRUE(
+        cell_with(coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\n" + std::string(range))))
+        << range;
+}
+
+// An inclinometer says how far it is from the plumb line: at the zero it shows what it shows.
+TEST(CellFileSetups, LetARotationCountFromElsewhere) {
+  const auto cell = cell_with(
+      "[[device]]\nid = \"level\"\nkind = \"meas-dpl\"\naddress = \"127.0.0.1:5\"\n"
+      "  [[device.angle]]\n  channel = \"rx_arcsec\"\n  device_axis = 1\n" +
+      coordinate("channel = \"rx_arcsec\"\ndevice = \"level\"\nmin = 100\nmax = 900\n"));
+  EXPECT_TRUE(cell) << cell.error().message;
+}
+
 // A probe that gives the interferometer's coordinate as well.
 constexpr const char* kTouch =
     "[[device]]\nid = \"touch\"\nkind = \"heidenhain-nd28x\"\naddress = \"127.0.0.1:4\"\n"
@@ -174,6 +190,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetup{"range",
                  coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\nmin = 1\nmax = -1\n"),
                  "BAD_SETUP", "expected min to be the lower one"},
+        BadSetup{"zero_below_the_range",
+                 coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\nmin = 1\nmax = 3\n"),
+                 "BAD_SETUP", "min: found 1 mm, which leaves out the zero of 'x_mm' (0 mm after"},
+        BadSetup{"zero_above_the_range",
+                 coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\noffset = 5\nmax = 4.9\n"),
+                 "BAD_SETUP", "max: found 4.9 mm, which leaves out the zero of 'x_mm' (5 mm after"},
         BadSetup{"twice",
                  coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\n  [[setup.coordinate]]\n"
                             "channel = \"x_mm\"\ndevice = \"laser-x\"\n"),

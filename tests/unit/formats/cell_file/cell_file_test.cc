@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(
                         "UNKNOWN_KEY", "device 3: found the unknown key 'axis'"},
         CellFileMistake{"DriftOfNoThermometer", "u_length_nm = 2\n",
                         "u_drift_nm_per_k = 50\ndrift_channel = \"t09_degC\"\n", "BAD_CHANNEL",
-                        "device 'laser-x', drift_channel: found 't09_degC', which no probe"},
+                        "cell.toml:55: device 3: drift_channel: found 't09_degC', which no probe"},
         CellFileMistake{"DriftWithNothing", "u_length_nm = 2\n", "u_drift_nm_per_k = 50\n",
                         "MISSING_KEY", "found one of u_drift_nm_per_k and drift_channel"},
         CellFileMistake{"DriftWithALength", "u_length_nm = 2\n",

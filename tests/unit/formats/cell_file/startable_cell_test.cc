@@ -133,6 +133,56 @@ TEST(StartableCell, MeasuresThePoseOfEachLinearAxis) {
                          "this cell measures, expected one of x_mm"));
 }
 
+// Without the motor's readback nothing is compared with the geometry, and nobody is told.
+TEST(StartableCell, MovesEveryMotorOfItsGeometry) {
+  const std::string head = "[kinematics]\nkind = \"linear-axis\"\n[[kinematics.axis]]\nmotor = \"";
+  const auto refused = refusal_of(kHead + kAxis + kLaser + head + "q2_mm\"\npose = \"x_mm\"\n");
+  EXPECT_EQ(refused.reason, "UNKNOWN_AXIS");
+  EXPECT_THAT(refused.message,
+              StartsWith("cell.toml:22: kinematics, axis 1: motor: found 'q2_mm', which controller "
+                         "'axis' does not move, expected one of q1_mm"));
+
+  std::string delta = "[kinematics]\nkind = \"delta-vertical\"\n";
+  for (const char* branch :
+       {"q1_mm\"\nazimuth_deg = 0", "q2_mm\"\nazimuth_deg = 120", "q7_mm\"\nazimuth_deg = 240"})
+    delta += "[[kinematics.branch]]\nmotor = \"" + std::string(branch) +
+             "\nradius_mm = 100\nlength_mm = 200\n";
+  const auto branch =
+      refusal_of(kHead + kAxis + axis("q2_mm", "Y") + axis("q3_mm", "Z") + kLaser + delta);
+  EXPECT_EQ(branch.reason, "UNKNOWN_AXIS");
+  EXPECT_THAT(branch.message, HasSubstr("kinematics, branch 3: motor: found 'q7_mm', which "
+                                        "controller 'axis' does not move, expected one of q1_mm, "
+                                        "q2_mm, q3_mm"));
+}
+
+// An arm beside the cell: its angles are no axes, and its geometry serves targets.
+TEST(StartableCell, MayDescribeAnArmWhoseJointsNoControllerMoves) {
+  std::string arm = "[kinematics]\nkind = \"serial-arm\"\n";
+  for (const char* joint : {"q1", "q2", "q3", "q4", "q5", "q6"})
+    arm += "[[kinematics.link]]\nmotor = \"" + std::string(joint) +
+           "_rad\"\nd_mm = 100\na_mm = 200\nalpha_deg = 90\n";
+  const auto start = start_of(kHead + kAxis + kLaser + arm);
+  EXPECT_TRUE(start) << start.error().message;
+}
+
+TEST(StartableCell, MovesTheMotorsOfARobotByItsOwnController) {
+  const auto cell = [](const std::string& motor) {
+    return kHead + device("one", "pi-gcs", "10.0.0.1:5000") + axis("ma.q1_mm", "X") +
+           device("two", "pi-gcs", "10.0.0.9:5000") + axis("mb.q2_mm", "X") +
+           laser("laser-x", "ma.x_mm", "channel = 1") +
+           "[[robot]]\nid = \"ma\"\ncontroller = \"one\"\n[robot.kinematics]\n"
+           "kind = \"linear-axis\"\n[[robot.kinematics.axis]]\nmotor = \"" +
+           motor + "\"\npose = \"x_mm\"\n[[robot]]\nid = \"mb\"\ncontroller = \"two\"\n";
+  };
+  const auto start = start_of(cell("q1_mm"));
+  EXPECT_TRUE(start) << start.error().message;
+  const auto refused = refusal_of(cell("q2_mm"));
+  EXPECT_EQ(refused.reason, "UNKNOWN_AXIS");
+  EXPECT_THAT(refused.message,
+              HasSubstr("robot 1, kinematics, axis 1: motor: found 'q2_mm', which controller 'one' "
+                        "does not move for robot 'ma', expected one of q1_mm"));
+}
+
 // A motor's current names the coordinate of the motor by the word that a controller has for its
 // tables of axes.
 TEST(StartableCell, TakesAnAxisThatIsNamedForNoListOfAxes) {

@@ -51,6 +51,33 @@ TEST_F(RecordCopyTest, NeverOverwritesAndLeavesNothingOfACopyThatGaveWay) {
   EXPECT_FALSE(std::filesystem::exists(other + ".part"));
 }
 
+// Counting the rows and checking the copy take as long as the copying: whoever ends the daemon
+// waits for none of them.
+TEST_F(RecordCopyTest, GivesWayInEveryStatement) {
+  std::vector<Reading> readings(3000);
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    readings[i].device = "scanner";
+    readings[i].start = readings[i].end =
+        CellTime{1'000'000'000 * static_cast<std::int64_t>(i + 1)};
+    readings[i].values = {{"t01_degC", 20.0 + 1e-3 * static_cast<double>(i)}};
+  }
+  ASSERT_TRUE(store->readings().append(readings, {}, {}));
+  int asked = 0;
+  const auto never = [&asked] { return ++asked < 0; };
+  ASSERT_TRUE(store->audit().back_up(copy, never));
+  const int in_all = asked;
+  ASSERT_GT(in_all, 6) << "the copying itself asks once for 8 MB";
+  for (const int at : {1, in_all / 3, in_all / 2, in_all - 1}) {
+    asked = 0;
+    const auto made = store->audit().back_up(other, [&] { return ++asked >= at; });
+    ASSERT_FALSE(made) << at << " of " << in_all;
+    EXPECT_EQ(made.error().reason, "GAVE_WAY") << at << " of " << in_all;
+    EXPECT_FALSE(std::filesystem::exists(other)) << at;
+    EXPECT_FALSE(std::filesystem::exists(other + ".part")) << at;
+  }
+  EXPECT_TRUE(store->audit().back_up(other, {})) << "the connection is good again";
+}
+
 // A link that leads to itself stands for a folder without the right to search it: root would search
 // that one all the same.
 TEST_F(RecordCopyTest, IntoAFolderThatCannotBeSearchedIsRefused) {
@@ -111,6 +138,96 @@ TEST_F(RecordCopyTest, ReplacesARecordOnlyWhenAskedAndKeepsIt) {
   ASSERT_TRUE(restored) << restored.error().message;
   EXPECT_EQ(points_in(path), 5U);
   EXPECT_EQ(points_in(kept_as), 6U);
+}
+
+// What a daemon left that was killed: the newest commits stand in the log alone.
+class RestoreOverAKilledRecord : public RecordCopyTest {
+ protected:
+  RestoreOverAKilledRecord() {
+    EXPECT_TRUE(store->audit().back_up(copy, {}));
+    EXPECT_TRUE(store->points().commit(example_commit(run, datum, 5)));
+    for (const std::string part : {"", "-wal"})
+      std::filesystem::copy_file(path + part, killed + part);
+  }
+  std::string killed = folder / "killed.db";
+};
+
+TEST_F(RestoreOverAKilledRecord, BringsTheLogIntoTheRecordThatIsKept) {
+  const auto restored = restore_record({copy, killed, kept_as, {}});
+  ASSERT_TRUE(restored) << restored.error().message;
+  EXPECT_FALSE(std::filesystem::exists(kept_as + "-wal")) << "the record is one file";
+  EXPECT_FALSE(std::filesystem::exists(killed + "-wal"));
+  EXPECT_EQ(points_in(kept_as), 6U);
+  EXPECT_EQ(points_in(killed), 5U);
+}
+
+TEST_F(RestoreOverAKilledRecord, ChangesNoNameBeforeTheCallerIsReady) {
+  struct NotReady {};
+  Restore wanted{copy, killed, kept_as, {}};
+  wanted.before_names_change = [] { throw NotReady(); };
+  EXPECT_THROW(restore_record(wanted), NotReady);
+  EXPECT_FALSE(std::filesystem::exists(kept_as));
+  EXPECT_FALSE(std::filesystem::exists(killed + ".part"));
+  EXPECT_EQ(points_in(killed), 6U);
+}
+
+TEST_F(RestoreOverAKilledRecord, WaitsForAProgramThatReadsIt) {
+  {
+    Database reader(killed, SQLITE_OPEN_READWRITE, "");
+    const Transaction view(reader, Transaction::Kind::read);
+    reader.for_each_row("SELECT count(*) FROM point", [](const std::string&) {});
+    const auto refused = restore_record({copy, killed, kept_as, {}});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().reason, "DATABASE_IN_USE");
+    EXPECT_FALSE(std::filesystem::exists(kept_as));
+  }
+  EXPECT_TRUE(restore_record({copy, killed, kept_as, {}}));
+}
+
+TEST_F(RestoreOverAKilledRecord, KeepsADamagedOneWithItsLog) {
+  std::ofstream(killed, std::ios::trunc) << "no database";
+  ASSERT_TRUE(restore_record({copy, killed, kept_as, {}}));
+  EXPECT_TRUE(std::filesystem::exists(kept_as + "-wal")) << "it may still be read by somebody";
+  EXPECT_EQ(points_in(killed), 5U);
+}
+
+TEST_F(RecordCopyTest, ASecondNameThatAnInterruptedRestoreGaveGoesAtTheStart) {
+  store.reset();
+  const std::string second = path + ".before-20261122T093000Z", older = path + ".before-2026";
+  std::filesystem::create_hard_link(path, second);
+  std::filesystem::copy_file(path, older);
+  EXPECT_TRUE(open_sqlite_store(path, false));
+  EXPECT_FALSE(std::filesystem::exists(second));
+  EXPECT_TRUE(std::filesystem::exists(older)) << "another record";
+  EXPECT_EQ(points_in(path), 5U);
+}
+
+TEST_F(RecordCopyTest, OfAnotherRecordIsPutBackOnlyWhereSomebodySaysSo) {
+  open_store(other).reset();
+  ASSERT_TRUE(store->audit().back_up(copy, {}));
+  const auto refused = restore_record({copy, other, kept_as, {}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "OTHER_RECORD");
+  EXPECT_FALSE(std::filesystem::exists(kept_as));
+  EXPECT_NE(identity_of_record(copy), identity_of_record(other));
+  Restore wanted{copy, other, kept_as, {}};
+  wanted.may_be_another = true;
+  ASSERT_TRUE(restore_record(wanted));
+  EXPECT_EQ(identity_of_record(other), identity_of_record(path));
+}
+
+TEST_F(RecordCopyTest, NoRecordIsMadeBesideWhatAnInterruptedRestoreLeft) {
+  store.reset();
+  for (const std::string left : {".before-20261122T093000Z", ".part"}) {
+    std::filesystem::rename(path, path + left);
+    const auto opened = open_sqlite_store(path, false);
+    ASSERT_FALSE(opened) << left;
+    EXPECT_EQ(opened.error().reason, "RESTORE_UNFINISHED");
+    EXPECT_THAT(opened.error().message, HasSubstr(path + left));
+    EXPECT_FALSE(std::filesystem::exists(path));
+    std::filesystem::rename(path + left, path);
+  }
+  EXPECT_TRUE(open_sqlite_store(path, false)) << "a record that is there starts";
 }
 
 TEST_F(RecordCopyTest, BelongsToTheOwnerOfTheFolderAlsoWhenRootRestoresIt) {
