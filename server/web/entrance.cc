@@ -6,6 +6,7 @@
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
+#include "server/web/same_origin.h"
 #include "server/web/security_headers.h"
 
 namespace driftwise::web {
@@ -99,8 +100,7 @@ const SessionDesk::Session* Entrance::session_of(const HttpRequest& request) {
   const auto cookie = cookie_value(request.header("cookie"), cookie_name_);
   if (cookie.empty()) return nullptr;
   // A browser lends its cookie to whoever makes it send something; it says who that is.
-  const bool command = request.method != "GET" && request.method != "HEAD";
-  if (command && request.header("origin").empty() &&
+  if (is_command(request) && request.header("origin").empty() &&
       request.header("sec-fetch-site") != "same-origin")
     return nullptr;
   const auto now = std::chrono::steady_clock::now();

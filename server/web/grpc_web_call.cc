@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kPackage = "/driftwise.v1.";
 constexpr std::string_view kName = "driftwise-operator", kNameBytes = "driftwise-operator-bin",
-                           kPeer = "driftwise-peer";
+                           kPeer = "driftwise-peer", kHeard = "driftwise-heard-ms";
 
 bool is_word(std::string_view text) {
   return !text.empty() && text.size() <= 100 && std::all_of(text.begin(), text.end(), [](char c) {
@@ -83,6 +83,8 @@ Result<GrpcWebCall> grpc_web_call(const HttpRequest& request) {
                   std::string(kNameBytes) + ": expected base64");
     out.metadata.push_back({std::string(kNameBytes), bytes->substr(0, 256)});
   }
+  if (const auto heard_ms = request.header(kHeard); !heard_ms.empty())
+    out.metadata.push_back({std::string(kHeard), printable(heard_ms)});
   out.metadata.push_back({std::string(kPeer), printable(request.peer)});
   return out;
 }

@@ -21,8 +21,9 @@ struct GrpcWebCall {
 // "/driftwise.v1.Service/Method": ours, and of letters and digits.
 bool is_method_path(std::string_view path);
 
-// Metadata: the caller's name ("driftwise-operator", or "-bin" in base64), and as "driftwise-peer"
-// the HTTP client's address, which only the gateway can say. Errors: invalid_argument BAD_TIMEOUT,
+// Metadata: the caller's name ("driftwise-operator", or "-bin" in base64), what it has heard last
+// ("driftwise-heard-ms"), and as "driftwise-peer" the HTTP client's address, which only the gateway
+// can say. Errors: invalid_argument BAD_TIMEOUT,
 // BAD_METADATA.
 Result<GrpcWebCall> grpc_web_call(const HttpRequest& request);
 

@@ -22,6 +22,7 @@
 #include "server/access/peer_name.h"
 #include "server/access/wrong_tries.h"
 #include "server/web/security_headers.h"
+#include "server/web/stop_socket.h"
 
 namespace driftwise::web {
 namespace {
@@ -33,7 +34,6 @@ using std::chrono::seconds;
 using Code = boost::system::error_code;
 using WallClock = std::chrono::steady_clock;
 
-constexpr std::string_view kStopPath = "/driftwise.v1.CellService/StopAll";
 constexpr std::size_t kMaxHeaderBytes = 16 * 1024;
 constexpr auto kHandshakeLimit = seconds(10), kIdleLimit = seconds(75), kHeaderLimit = seconds(10),
                kBodyPauseLimit = seconds(20), kBodyLimit = seconds(300), kWriteLimit = seconds(60);
@@ -331,8 +331,9 @@ class BeastConnection final : public HttpConnection,
 
   Awaitable<bool> write_stream(HttpResponse response, bool keep) {
     http::response<http::empty_body> message{http::status::ok, 11};
+    const bool is_socket = response.status == 101;  // from here on the bytes are its frames
     set_head(message, response, keep);
-    message.chunked(true);
+    if (!is_socket) message.chunked(true);
     http::response_serializer<http::empty_body> serializer(message);
     answering_ = response.stream;
     auto watched = watch_for_close();
@@ -349,18 +350,20 @@ class BeastConnection final : public HttpConnection,
       done = piece.last;
       tcp_stream().expires_after(kWriteLimit);
       if (kind != Activity::stopping) now(Activity::blocked);
-      co_await write_piece(piece);
+      co_await write_piece(piece, is_socket);
       began = true;
     }
     if (!done) response.stream->abandon();
     answering_.reset();
     if (watched) watched->emit(asio::cancellation_type::total);
-    co_return done && !code_ && message.keep_alive();
+    co_return done && !is_socket && !code_ && message.keep_alive();
   }
 
-  Awaitable<void> write_piece(const BodyStream::Piece& piece) {
+  Awaitable<void> write_piece(const BodyStream::Piece& piece, bool is_socket) {
     const auto bytes = asio::buffer(piece.bytes);
-    if (piece.last && piece.bytes.empty()) {
+    if (is_socket) {
+      co_await asio::async_write(stream_, bytes, token());
+    } else if (piece.last && piece.bytes.empty()) {
       const auto end = http::make_chunk_last();
       co_await asio::async_write(stream_, end, token());
     } else if (piece.last) {
@@ -410,6 +413,7 @@ class BeastConnection final : public HttpConnection,
 
   void client_left() {
     if (!answering_) return;
+    if (activity_ == Activity::stopping) return;  // it is executed, whoever waits for its answer
     closed_ = true;
     answering_->abandon();
   }

@@ -12,6 +12,14 @@
 
 namespace driftwise::web {
 
+// Header values whose case does not count: ASCII letters only.
+inline std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
 struct HttpHeader {
   std::string name, value;
 };

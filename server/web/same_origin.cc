@@ -7,16 +7,10 @@
 
 #include "server/core/text/clean_text.h"
 #include "server/web/security_headers.h"
+#include "server/web/stop_socket.h"
 
 namespace driftwise::web {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
 
 bool is_port_or_nothing(std::string_view text) {
   return text.empty() ||
@@ -60,6 +54,10 @@ bool is_own_host(const HttpRequest& request, const std::vector<std::string>& nam
                      [&](const std::string& one) { return lower(one) == *name; });
 }
 
+bool is_command(const HttpRequest& request) {
+  return (request.method != "GET" && request.method != "HEAD") || asks_for_socket(request);
+}
+
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request,
                                            const std::vector<std::string>& names) {
   const std::string_view host = request.header("host");
@@ -74,7 +72,7 @@ std::optional<HttpResponse> refuse_foreign(const HttpRequest& request,
     return plain_answer(421, "Host: found " + shown(host) +
                                  ", expected localhost, 127.0.0.1, [::1], the address of this door "
                                  "or a name of [access] names (docs/access.md)\n");
-  if (request.method == "GET" || request.method == "HEAD") return std::nullopt;
+  if (!is_command(request)) return std::nullopt;
   const std::string_view origin = request.header("origin"), site = request.header("sec-fetch-site");
   const std::string here = (request.secure ? "https://" : "http://") + lower(host);
   // A plain door may stand behind a proxy or a tunnel that speaks TLS to the browser.

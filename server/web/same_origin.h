@@ -21,8 +21,11 @@ bool is_loopback_host(std::string_view host_header);
 // ("cell.lab.example"), without a port.
 bool is_own_host(const HttpRequest& request, const std::vector<std::string>& names);
 
+// It may change something: neither GET nor HEAD, or a WebSocket (stop_socket.h).
+bool is_command(const HttpRequest& request);
+
 // Nothing: it may come in. Else 400 (no Host; Host, Origin or Sec-Fetch-Site twice), 421 (a foreign
-// name), or for whatever is neither GET nor HEAD 403 (Origin of another site, or Sec-Fetch-Site
+// name), or for a command 403 (Origin of another site, or Sec-Fetch-Site
 // saying so). An Origin has the scheme of the connection: behind TLS a plain page is another site.
 // Programs that send no Origin are let in: they have no cookie that a browser would lend them.
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request,

@@ -12,6 +12,7 @@
 #include "server/web/same_origin.h"
 #include "server/web/security_headers.h"
 #include "server/web/static_files.h"
+#include "server/web/stop_socket.h"
 
 namespace driftwise::web {
 namespace {
@@ -44,6 +45,10 @@ class WebSite final : public HttpSite {
       co_return refused_answer({ErrorCode::resource_exhausted, reasons::kTooManyTries,
                                 "too many requests from this address before a log-in: try again "
                                 "in a second"});
+    if (asks_for_socket(head)) {
+      auto refused = refuse_socket(head);
+      co_return refused ? Admitted(std::move(*refused)) : Admitted(std::size_t{0});
+    }
     if (head.path() == kSession) co_return admit_session(head);
     if (head.path().starts_with("/driftwise.v1.")) {
       auto admitted = GrpcWebGateway::admit(head);
@@ -70,6 +75,10 @@ class WebSite final : public HttpSite {
     if (request.path() == kSession) {
       auto answering = entrance_.session(std::move(request));
       co_return co_await std::move(answering);
+    }
+    if (asks_for_socket(request)) {
+      auto stopping = stop(std::move(request));
+      co_return co_await std::move(stopping);
     }
     if (request.method == "POST") {
       auto calling = call(std::move(request));
@@ -117,6 +126,13 @@ class WebSite final : public HttpSite {
     if (!visitor->session.empty())
       behalf.lasts = [this, session = visitor->session] { return entrance_.lasts(session); };
     co_return gateway_.open(std::move(request), std::move(behalf));
+  }
+
+  Awaitable<HttpResponse> stop(HttpRequest request) {
+    const std::string key(request.header("sec-websocket-key"));
+    auto calling = call(call_of_socket(std::move(request)));
+    HttpResponse answer = co_await std::move(calling);
+    co_return socket_answer(std::move(answer), key);
   }
 
   Awaitable<HttpResponse> metrics(HttpRequest request) {

@@ -42,7 +42,7 @@ for (const { what, open, size, operator } of dialogs) {
     assert.ok(!(await page.evaluate(() => document.activeElement.matches('.stop'))), 'the focus is on Stop: Enter would press it');
     assert.deepEqual(await axe(page), []);
     assert.equal(await overflow(page), 0);
-    const heard = page.waitForRequest(/StopAll/);
+    const heard = page.waitForEvent('websocket', (socket) => socket.url().includes('/StopAll'));
     await page.mouse.move(place.x + place.width / 2, place.y + place.height / 2);
     await page.mouse.down(); // and never up
     await heard;
@@ -54,6 +54,25 @@ for (const { what, open, size, operator } of dialogs) {
     browser.assertQuiet();
   });
 }
+
+test('Stop motion reaches the daemon while all six connections of the browser are taken, and once for each press of Space', { timeout: 60_000 }, async () => {
+  const page = await browser.page('/now', wide);
+  await live(page);
+  await page.evaluate(() => {
+    for (let i = 0; i < 6; i++) void fetch('/driftwise.v1.WatchService/Watch', { method: 'POST', headers: { 'content-type': 'application/grpc-web+proto' }, body: new Uint8Array(5) });
+  });
+  let sockets = 0;
+  page.on('websocket', () => sockets++);
+  const begun = Date.now();
+  await page.locator('.bar button.stop').focus();
+  await page.keyboard.press('Space');
+  await page.locator('.bar').getByText('Axes halted').waitFor();
+  const tookMs = Date.now() - begun;
+  assert.ok(tookMs < 4000, `Stop took ${tookMs} ms: it waited for a connection`);
+  assert.equal(sockets, 1);
+  await page.close();
+  browser.assertQuiet();
+});
 
 test('Stop motion of a dialog is reached and pressed by the keyboard', { timeout: 60_000 }, async () => {
   const page = await browser.page('/now', wide);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <stdexcept>
+#include <utility>
 
 namespace driftwise::tests {
 namespace {
@@ -107,6 +108,12 @@ std::string HttpClient::next_chunk() {
   std::string out = exactly(bytes);
   if (exactly(2) != "\r\n") throw std::runtime_error(address_ + ": a chunk without its end");
   return out;
+}
+
+std::string HttpClient::rest() {
+  while (receive()) {
+  }
+  return std::exchange(received_, {});
 }
 
 HttpReply HttpClient::reply(bool to_head) {

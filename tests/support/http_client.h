@@ -33,6 +33,7 @@ class HttpClient {
   HttpReply reply(bool to_head = false);
   std::string head();        // of a reply that comes in pieces
   std::string next_chunk();  // the next piece; empty: the last one
+  std::string rest();        // all that comes until the other side closes
   bool closed();             // waits until the other side closes; false when bytes come instead
   void close();
 

@@ -122,7 +122,8 @@ class AccessService final : public v1::AccessService::CallbackService {
     const auto caller = caller_of(context);
     authoriser_.note({kind, caller.name, caller.peer,
                       "token " + record.id + " of " + record.name + ", " +
-                          std::string(to_string(record.role)) + ", was " + what});
+                          std::string(to_string(record.role)) + ", was " + what,
+                      1, caller.proof});
   }
 
   access::Authoriser& authoriser_;

@@ -203,8 +203,9 @@ class CellService final : public v1::CellService::CallbackService {
       DRIFTWISE_CO_RETURN_IF_ERROR(check_size(request->reason(), kMostNameBytes, "reason"));
       DRIFTWISE_CO_TRY(const auto aside,
                        nanoseconds_from(request->aside_duration(), "aside_duration"));
-      DRIFTWISE_CO_TRY(const auto hold, holds_.set_aside(caller_of(*context), request->name(),
-                                                         seconds_from(aside), request->reason()));
+      auto setting = holds_.set_aside(caller_of(*context), request->name(), seconds_from(aside),
+                                      request->reason());
+      DRIFTWISE_CO_TRY(const auto hold, co_await std::move(setting));
       *response->mutable_hold() = hold_from(hold);
       co_return Result<void>{};
     });

@@ -197,6 +197,7 @@ v1::Point point_from(const PointRecord& point) {
                                                 : v1::POINT_SET_CALIBRATION);
   out.set_line(point.line);
   out.set_zero(point.zero);
+  out.set_passage(point.passage);
   *out.mutable_measure_time() = timestamp_from(point.measured.utc);
   *out.mutable_dwell_duration() = duration_from_s(point.dwell_s);
   for (const double q_mm : point.commanded_mm) out.add_commanded_mm(q_mm);

@@ -14,6 +14,7 @@
 #include "server/rpc/shared/call_context.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/error_mapping.h"
+#include "server/rpc/shared/heard.h"
 #include "server/rpc/shared/request_texts.h"
 
 namespace driftwise::rpc {
@@ -90,6 +91,12 @@ class Refusing final : public gx::Interceptor {
   const CallContext& context_;  // gRPC keeps it until the call's interceptors are gone
 };
 
+Result<void> check_heard(std::string_view path, const grpc::ServerContextBase& context) {
+  const auto heard_ms = metadata_value(context, kHeardKey);
+  if (heard_ms.empty()) return {};
+  return heard_recently(path, heard_ms, std::chrono::system_clock::now());
+}
+
 class JudgingFactory final : public gx::ServerInterceptorFactoryInterface {
  public:
   JudgingFactory(access::Authoriser& authoriser, RoleTable table)
@@ -106,6 +113,8 @@ class JudgingFactory final : public gx::ServerInterceptorFactoryInterface {
     name.remove_prefix(name.rfind('/') + 1);
     if (const auto may = authoriser_.authorise(*who, {name, needed->second}); !may)
       return refuse(*context, may.error());
+    if (const auto recent = check_heard(info->method(), *context); !recent)
+      return refuse(*context, recent.error());
     context->allow(std::move(*who));
     return info->method() == kComputeTarget ? nullptr : new Refusing(*context);
   }

@@ -5,8 +5,10 @@
 // An interceptor judges a call when it begins, before its message is looked at, and sends the
 // refusal. A service of ours is registered behind a service of the same methods (guarded()) which
 // runs the method of a call that was allowed and of no other: a call that nobody has judged is
-// refused too. Texts that are too long (shared/request_texts.h) are refused there as well. Health
-// and reflection answer everybody who reaches the door: they tell what the sources tell.
+// refused too. So is a call that moves something and whose client has not heard the cell for too
+// long (shared/heard.h). Texts that are too long (shared/request_texts.h) are refused there as
+// well. Health and reflection answer everybody who reaches the door: they tell what the sources
+// tell.
 //
 // Any thread. A call with a token that has not been seen since the start computes a scrypt
 // (access/token_book.h).

@@ -203,7 +203,9 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(const application::Services& 
   return out;
 }
 
-RpcServer::~RpcServer() { shut_down(std::chrono::milliseconds(0)); }
+RpcServer::~RpcServer() {
+  if (!shut_down(std::chrono::milliseconds(0))) closing_.join();
+}
 
 void RpcServer::ready(bool is_ready) {
   auto* health = server_->GetHealthCheckService();
@@ -212,15 +214,26 @@ void RpcServer::ready(bool is_ready) {
   health->SetServingStatus(kAccessService, is_ready);
 }
 
-void RpcServer::shut_down(std::chrono::milliseconds grace) {
-  if (!server_) return;
-  gates_.clear();
-  server_->GetHealthCheckService()->Shutdown();
-  calls_->end_streams();
-  server_->Shutdown(std::chrono::system_clock::now() + grace);
-  server_->Wait();
+bool RpcServer::shut_down(std::chrono::milliseconds grace) {
+  constexpr std::chrono::seconds kAfterGrace{1};  // for the answers to the cancelled calls
+  if (!server_) return true;
+  if (!closing_.joinable()) {
+    gates_.clear();
+    server_->GetHealthCheckService()->Shutdown();
+    calls_->end_streams();
+    std::promise<void> closed;
+    closed_ = closed.get_future();
+    closing_ = std::thread([server = server_.get(), grace, closed = std::move(closed)]() mutable {
+      server->Shutdown(std::chrono::system_clock::now() + grace);
+      server->Wait();
+      closed.set_value();
+    });
+  }
+  if (closed_.wait_for(grace + kAfterGrace) != std::future_status::ready) return false;
+  closing_.join();
   server_.reset();
   stop_mapping_times_by(host_);
+  return true;
 }
 
 std::shared_ptr<grpc::Channel> RpcServer::in_process_channel() {

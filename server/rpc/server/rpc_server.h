@@ -20,8 +20,11 @@
 
 #include <grpcpp/server.h>
 
+#include <chrono>
+#include <future>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/access/access.h"
@@ -51,9 +54,10 @@ class RpcServer {
   std::string tls_address() const { return tls_address_; }  // likewise; empty: no such door
   std::string socket_path() const { return socket_path_; }  // empty: no such door
   void ready(bool is_ready);
-  // Streams are ended at once, unary calls under way may finish within the grace.
-  // Idempotent.
-  void shut_down(std::chrono::milliseconds grace);
+  // Streams are ended at once, unary calls under way may finish within the grace and are cancelled
+  // then. Returns at most a second after the grace. False: the work of a call has not ended, and
+  // this cannot be destroyed before it has. May be called again.
+  bool shut_down(std::chrono::milliseconds grace);
 
   // For the gRPC-Web gateway: a channel without a socket.
   std::shared_ptr<grpc::Channel> in_process_channel();
@@ -72,6 +76,8 @@ class RpcServer {
   std::shared_ptr<CallBook> calls_;
   std::vector<std::unique_ptr<ConnectionGate>> gates_;  // end before the server
   std::unique_ptr<grpc::Server> server_;
+  std::thread closing_;  // the library waits for every handler, however long it takes
+  std::future<void> closed_;
   std::string address_, tls_address_, socket_path_;
   const application::Host* host_ = nullptr;
 };

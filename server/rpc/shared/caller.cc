@@ -44,7 +44,7 @@ const access::Identity& identity_of(const grpc::CallbackServerContext& context) 
 
 application::Caller caller_of(const grpc::CallbackServerContext& context) {
   const auto& who = identity_of(context);
-  if (who.proof == access::Proof::open_loopback) return {who.name, who.from};
+  if (who.proof == access::Proof::open_loopback) return {who.name, who.from, {}};
   std::string proof(to_string(who.proof));
   if (!who.credential.empty()) proof += " " + who.credential;
   return {who.name, who.from + " (" + proof + ")", proof};

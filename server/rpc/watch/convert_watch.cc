@@ -57,8 +57,6 @@ v1::Alarm::State alarm_state_from(AlarmState state) {
 void describe_column(const DeviceDescription& device, const std::string& channel,
                      v1::ChannelLayout::Column& out) {
   out.set_interval_s(device.period_s);
-  out.set_stale_after_s(device.period_s > 0 ? std::max(device.max_age_s, 3 * device.period_s)
-                                            : device.max_age_s);
   for (const auto& probe : device.probes())
     if (probe.channel.name() == channel) {
       out.set_place(probe.place);
@@ -135,8 +133,9 @@ v1::ChannelLayout layout_from(const application::CellStatus& status) {
     const auto device =
         std::find_if(status.devices.begin(), status.devices.end(),
                      [&](const auto& one) { return one.description.id == latest.device; });
-    if (device != status.devices.end())
-      describe_column(device->description, column.channel(), column);
+    const auto* description = device == status.devices.end() ? nullptr : &device->description;
+    column.set_stale_after_s(application::stale_after_s(description, latest.device).value_or(0));
+    if (description) describe_column(*description, column.channel(), column);
   }
   return out;
 }

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <boost/asio/thread_pool.hpp>
 
@@ -6,6 +9,8 @@
 #include "server/application/notify/notifications.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/runs/runs.h"
+#include "server/application/status/overview.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/convert_values.h"
@@ -27,6 +32,7 @@ class WatchService final : public v1::WatchService::CallbackService {
  public:
   explicit WatchService(const application::Services& cell)
       : host_(cell.host),
+        overview_(cell.overview),
         records_(cell.records),
         runs_(cell.runs),
         alarms_(cell.alarms),
@@ -53,7 +59,15 @@ class WatchService final : public v1::WatchService::CallbackService {
       *response->mutable_to_time() = timestamp_from(series.to);
       *response->mutable_bucket_duration() = duration_from(series.bucket);
       bool raw = true;
+      const auto unknown = unknown_channels(series);
+      if (unknown.size() == series.columns.size())
+        co_return fail(ErrorCode::invalid_argument, reasons::kNoSuchChannel,
+                       "channels: found " + fmt::format("{}", fmt::join(unknown, ", ")) +
+                           ", which no device of this cell gives and which this database does not "
+                           "hold: 'driftwise readings' lists the channels");
+      for (const auto& name : unknown) response->add_unknown_channels(utf8_from(name));
       for (const auto& column : series.columns) {
+        if (std::find(unknown.begin(), unknown.end(), column.channel) != unknown.end()) continue;
         *response->add_series() = series_from(column);
         for (const std::int64_t count : column.count) raw = raw && count <= 1;
       }
@@ -137,7 +151,20 @@ class WatchService final : public v1::WatchService::CallbackService {
   }
 
  private:
+  // Those that neither this database nor this cell knows.
+  std::vector<std::string> unknown_channels(const SeriesAnswer& series) const {
+    const auto known = overview_.status().values;
+    std::vector<std::string> out;
+    for (const auto& column : series.columns)
+      if (!column.recorded && std::none_of(known.begin(), known.end(), [&](const auto& latest) {
+            return latest.channel.name() == column.channel;
+          }))
+        out.push_back(column.channel);
+    return out;
+  }
+
   application::Host& host_;
+  application::Overview& overview_;
   application::StoreReader& records_;
   application::Runs& runs_;
   application::Alarms& alarms_;

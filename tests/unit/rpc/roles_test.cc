@@ -299,7 +299,11 @@ TEST_F(Roles, EndWithTheTokenForCallsThatBeginLater) {
   }
   EXPECT_EQ(status_with(made.text()), grpc::StatusCode::UNAUTHENTICATED);
   std::string told;
-  for (const auto& note : notes.all()) told += to_event(note.kind) + " ";
+  for (const auto& note : notes.all()) {
+    told += to_event(note.kind) + " ";
+    const bool by_nobody = note.kind == access::AccessNote::Kind::wrong_try;
+    EXPECT_EQ(note.proof, by_nobody ? "" : "local socket");
+  }
   EXPECT_EQ(told, "access.token_made access.token_revoked access.wrong_try ");
 }
 

@@ -293,6 +293,32 @@ TEST_F(WatchServiceTest, ASeriesKeepsWhatFloatsWouldLose) {
   EXPECT_FALSE(answer->raw());
 }
 
+TEST_F(WatchServiceTest, AChannelWithoutARecordTakesNoOtherSeriesAway) {
+  cell.on_store([](Store& store) {
+    const CellTime at{1'700'000'000'000'000'000};
+    const std::vector<Reading> readings{{"old", at, at, 0, {{"t91_degC", 20.5}}}};
+    ASSERT_TRUE(store.readings().append(readings, {}));
+  });
+  v1::GetSeriesRequest request;
+  for (const char* name : {"t91_degC", "x_mm", "t99_degC"}) request.add_channels(name);
+  request.set_bucket_count(2);
+  request.mutable_from_time()->set_seconds(1'699'999'990);
+  request.mutable_to_time()->set_seconds(1'700'000'010);
+  const auto answer = ask(&WatchStub::GetSeries, request);
+  ASSERT_TRUE(answer) << answer.error().message;
+  ASSERT_EQ(answer->series_size(), 2);
+  EXPECT_EQ(answer->series(0).channel(), "t91_degC") << "of a thermometer that is gone";
+  EXPECT_EQ(answer->series(1).channel(), "x_mm") << "of the layout, not recorded yet";
+  EXPECT_EQ(answer->series(1).count_size(), answer->series(0).count_size());
+  ASSERT_EQ(answer->unknown_channels_size(), 1);
+  EXPECT_EQ(answer->unknown_channels(0), "t99_degC");
+
+  request.clear_channels();
+  request.add_channels("t99_degC");
+  EXPECT_THAT(ask(&WatchStub::GetSeries, request),
+              FailsWith(ErrorCode::invalid_argument, "NO_SUCH_CHANNEL"));
+}
+
 TEST_F(WatchServiceTest, ASeriesRequestNamesWhatIsWrong) {
   const auto reason = [&](auto change) {
     v1::GetSeriesRequest request;

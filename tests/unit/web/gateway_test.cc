@@ -91,6 +91,21 @@ TEST_F(Gateway, NamesTheCallerAndTheAddressOfTheBrowser) {
   EXPECT_EQ(cell.last_event("lease.taken")->who, "Žofie");
 }
 
+TEST_F(Gateway, RefusesAMovementThatALineHasHeldBack) {
+  const auto ago_ms = [](std::int64_t ms) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    return "driftwise-heard-ms: " +
+           std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(now).count() - ms) +
+           "\r\n";
+  };
+  const auto late = call(kCell + "Home", "", ago_ms(66'000));
+  EXPECT_EQ(late.status, 9);  // FAILED_PRECONDITION
+  EXPECT_THAT(late.trailers, HasSubstr("66"));
+  EXPECT_EQ(call(kCell + "Home", "", ago_ms(0)).status, 7) << "judged by its lease as ever";
+  const auto passing = cell.passing();
+  EXPECT_EQ(call(kCell + "StopAll", "", ago_ms(66'000)).status, 0) << "a stop is never too late";
+}
+
 TEST_F(Gateway, ABrowserCannotSayWhereItSits) {
   const auto passing = cell.passing();  // a stop asks the axis twice
   call(kCell + "StopAll", "", "driftwise-peer: ipv4:1.2.3.4:5\r\n");

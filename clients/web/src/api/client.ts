@@ -1,5 +1,6 @@
 // One client per service, over gRPC-Web to where the page came from. Every call carries the operator's name, as the
-// command line sends it: plain when it is printable ASCII, in the -bin form otherwise (server/rpc/shared/caller.cc).
+// command line sends it: plain when it is printable ASCII, in the -bin form otherwise (server/rpc/shared/caller.cc), and the
+// daemon's time that the page heard last: what moves is refused when that is long ago (server/rpc/shared/heard.h).
 import { Code, ConnectError, createClient, type Interceptor, type Transport } from '@connectrpc/connect';
 import { createGrpcWebTransport } from '@connectrpc/connect-web';
 import type { DescService } from '@bufbuild/protobuf';
@@ -9,18 +10,25 @@ import { RunService } from './gen/driftwise/v1/run_service_pb';
 import { WatchService } from './gen/driftwise/v1/watch_service_pb';
 import { operatorName, sessionLost } from '@/app/session';
 
+const base64 = (text: string) => btoa(String.fromCharCode(...new TextEncoder().encode(text))).replace(/=+$/, '');
 const printable = /^[\x20-\x7e]+$/;
 
 export function operatorHeader(name: string): [string, string] | undefined {
   if (name === '') return undefined;
   if (printable.test(name)) return ['driftwise-operator', name];
-  const bytes = new TextEncoder().encode(name);
-  return ['driftwise-operator-bin', btoa(String.fromCharCode(...bytes)).replace(/=+$/, '')];
+  return ['driftwise-operator-bin', base64(name)];
+}
+
+let heardMs: number | undefined;
+
+export function heard(serverMs: number | undefined): void {
+  heardMs = serverMs ?? heardMs;
 }
 
 const whoAsks: Interceptor = (next) => (request) => {
   const header = operatorHeader(operatorName.value);
   if (header) request.header.set(...header);
+  if (heardMs !== undefined) request.header.set('driftwise-heard-ms', String(Math.floor(heardMs)));
   return next(request);
 };
 
@@ -33,6 +41,38 @@ const whoIsOut: Interceptor = (next) => async (request) => {
   }
 };
 
+// Stop goes by a WebSocket: never behind the six connections of the other calls and tabs, nor down one that died
+// (server/web/stop_socket.h). Where none opens, as behind a proxy that knows no WebSocket, by an ordinary call too.
+const opensWithinMs = 1000;
+
+export const stopFetch: typeof fetch = (input, init) =>
+  new Promise((done, failed) => {
+    const socket = new WebSocket(`${String(input).replace(/^http/, 'ws')}?operator=${base64(operatorName.value).replace(/\+/g, '-').replace(/\//g, '_')}`);
+    let open = true;
+    const otherwise = () => {
+      clearTimeout(timer);
+      if (open) fetch(input, init).then(done, failed);
+      open = false;
+    };
+    const timer = setTimeout(otherwise, opensWithinMs);
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => clearTimeout(timer);
+    socket.onclose = otherwise;
+    socket.onmessage = ({ data }) => {
+      open = false;
+      clearTimeout(timer);
+      done(new Response(data as ArrayBuffer, { headers: { 'content-type': 'application/grpc-web+proto' } }));
+    };
+    init?.signal?.addEventListener('abort', () => {
+      open = false;
+      clearTimeout(timer);
+      socket.close();
+      failed(init.signal!.reason);
+    });
+  });
+
+const pageFetch: typeof fetch = (input, init) => (String(input).endsWith('/StopAll') ? stopFetch : fetch)(input, init);
+
 let transport: Transport | undefined;
 
 // Tests put a transport in memory here, before the first call.
@@ -41,7 +81,7 @@ export function useTransport(other: Transport): void {
 }
 
 function pageTransport(): Transport {
-  transport ??= createGrpcWebTransport({ baseUrl: location.origin, interceptors: [whoAsks, whoIsOut] });
+  transport ??= createGrpcWebTransport({ baseUrl: location.origin, fetch: pageFetch, interceptors: [whoAsks, whoIsOut] });
   return transport;
 }
 

@@ -1,12 +1,13 @@
 // What a person must know about the page itself: that it is not live, was loaded afresh, or is older than the daemon.
 import { useSignal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
-import { connection } from '@/live/connection';
+import { connection, serverTimeMs } from '@/live/connection';
 import { loadedAfresh } from '@/live/epoch';
 import { cell } from '@/live/state';
 import { clock } from '@/format/time';
 import { Button } from '@/ui/button';
 import { InstantBar } from './instant_bar';
+import { logOut, session } from './session';
 
 function NotLive() {
   const now = connection.value;
@@ -47,6 +48,20 @@ function Updated() {
   );
 }
 
+const warnMs = 10 * 60e3;
+
+// By the daemon's clock, which ends it.
+function SessionEnds() {
+  const ends = Date.parse(session.value.ends ?? '');
+  if (!((serverTimeMs.value ?? -Infinity) > ends - warnMs)) return null;
+  return (
+    <div class="page-bar not-live" role="alert">
+      <span>The log-in ends at {clock(ends)}, and Stop motion with it: it comes back with the next log-in. Until then use the emergency switch.</span>
+      <Button small onPress={() => void logOut()}>Log in again</Button>
+    </div>
+  );
+}
+
 export function PageBars() {
-  return <><NotLive /><Afresh /><Updated /><InstantBar /></>;
+  return <><NotLive /><SessionEnds /><Afresh /><Updated /><InstantBar /></>;
 }

@@ -30,6 +30,13 @@ export function usualStep(at: readonly number[]): number {
   return steps[steps.length >> 1] ?? 0;
 }
 
+// What a track changed by, and over which time: from its first to its last value. NaN: fewer than two.
+export function changeOf(track: Track): { change: number; seconds: number } {
+  const first = track.mean.findIndex(Number.isFinite);
+  const last = track.mean.findLastIndex(Number.isFinite);
+  return { change: last > first ? track.mean[last] - track.mean[first] : NaN, seconds: last > first ? (track.atMs[last] - track.atMs[first]) / 1000 : NaN };
+}
+
 export class Tail {
   private readonly of = new Map<string, { atMs: number[]; value: number[] }>();
   private steps = stepsBack.peek();

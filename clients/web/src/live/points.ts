@@ -21,17 +21,19 @@ async function allPoints(runId: bigint, signal: AbortSignal): Promise<Point[]> {
 
 export interface RunPoints {
   points: Point[]; // oldest first
+  passages: Point[]; // where the run came by beside its plan: in no plot and no figure
   attempts: Attempt[];
 }
 
 export function useRunPoints(runId: bigint | undefined): Asked<RunPoints> {
   const asked = useAsked(runId === undefined ? undefined : `points ${runId}`, async (signal): Promise<RunPoints> => {
     const [points, attempts] = await Promise.all([allPoints(runId!, signal), api.run().listAttempts({ runId: runId! }, { signal })]);
-    return { points, attempts: attempts.attempts };
+    return { points: points.filter((one) => !one.passage), passages: points.filter((one) => one.passage), attempts: attempts.attempts };
   });
   useEvents('point', (point) => {
     if (point.runId !== runId) return;
-    asked.set((old) => (old.points.some((one) => one.id === point.id) ? old : { ...old, points: [...old.points, point] }));
+    const key = point.passage ? 'passages' : 'points';
+    asked.set((old) => (old[key].some((one) => one.id === point.id) ? old : { ...old, [key]: [...old[key], point] }));
   });
   useEvents('attempt', (attempt, event) => {
     if (event.runId !== runId) return;

@@ -1,6 +1,7 @@
 // The page's one stream of events: from the daemon or from the tab that leads, into signals and listeners.
 import { create } from '@bufbuild/protobuf';
 import { batch as atOnce } from '@preact/signals';
+import { heard } from '@/api/client';
 import { WatchEventSchema, WatchResponseSchema, type WatchEvent, type WatchResponse } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { ms } from '@/format/time';
 import { keepStreaming } from './attempts';
@@ -41,6 +42,7 @@ function take(batch: WatchResponse): void {
   heardAt = performance.now();
   heardClockMs = Date.now();
   lastBatch = batch;
+  heard(ms(batch.serverTime));
   for (const event of batch.events) {
     if ((kept as readonly (string | undefined)[]).includes(event.event.case)) states.set(event.event.case!, event);
   }

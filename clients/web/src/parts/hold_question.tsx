@@ -4,7 +4,7 @@ import { computed, signal } from '@preact/signals';
 import { RunHold_Kind, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { operatorName } from '@/app/session';
 import { dateClock, duration, ms } from '@/format/time';
-import { confirm, ReasonField } from '@/ui/confirm';
+import { confirm, ReasonField, reasonTaken } from '@/ui/confirm';
 
 export interface HoldAnswer {
   holdId: bigint;
@@ -36,11 +36,12 @@ export async function askAboutHold(run: Run, cellTimeMs: number | undefined, ver
     facts: [
       [whatOf[hold.kind], hold.who ? `${hold.who}${ago}` : `since ${dateClock(sinceMs)}`],
       ['Why', hold.reason],
-      ...(byAnother ? [['For the record', <ReasonField label="Why the robot may move after another person's stop" reason={reason} />] as const] : []),
+      ...(byAnother ? [['For the record', <ReasonField id={`hold ${hold.id}`} label="Why the robot may move after another person's stop" reason={reason} />] as const] : []),
     ],
     off,
     verb,
     keep: 'Leave it standing',
   });
+  if (yes) reasonTaken(`hold ${hold.id}`);
   return yes ? { holdId: hold.id, overrideReason: reason.value.trim() } : undefined;
 }

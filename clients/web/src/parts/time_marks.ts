@@ -1,4 +1,4 @@
-// Changes of force, stops and restarts of a run, from its points and the record.
+// Changes of force, stops, resumes and restarts of a run, from its points and the record.
 import type { PlotMark } from '@/plot/spec';
 import type { TimeMark } from '@/plot/marks';
 
@@ -9,7 +9,7 @@ export interface Happened {
 }
 
 const kinds: Record<string, PlotMark['kind']> = {
-  stop: 'stop', 'run.pause': 'stop', 'hold.begun': 'stop', 'run.resume': 'restart', 'run.resumed': 'restart', 'hold.ended': 'restart', 'run.restarted': 'restart', 'daemon.started': 'restart',
+  stop: 'stop', 'run.pause': 'stop', 'hold.begun': 'stop', 'run.resume': 'resume', 'run.resumed': 'resume', 'hold.ended': 'resume', 'run.restarted': 'restart', 'daemon.started': 'restart',
 };
 export const isMarked = (what: string): boolean => what in kinds;
 

@@ -2,6 +2,7 @@
 import type { Point } from '@/api/gen/driftwise/v1/run_pb';
 import { ms } from '@/format/time';
 import { isLength, nmFrom, splitChannel } from '@/format/units';
+import { channel } from '@/live/channels';
 import { valueOf } from '@/live/points';
 import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
 
@@ -34,8 +35,9 @@ export function lengthsOf(channels: readonly string[]): string[] {
   return lengths.length > 0 ? lengths : all.filter((name) => !/^(q\d|goal_|x_target)/.test(name) && !/_(cmd|std)_/.test(name));
 }
 
+// By its name, or by the part that the cell file declares: a thermometer of the robot is none of the air.
 export const airOf = (channels: readonly string[]): string | undefined =>
-  channels.find((name) => name === 'air_degC') ?? channels.find((name) => /^air.*_degC$/.test(name)) ?? channels.find((name) => /^t\d+_degC$/.test(name));
+  channels.find((name) => name === 'air_degC') ?? channels.find((name) => /^air.*_degC$/.test(name)) ?? channels.find((name) => name.endsWith('_degC') && channel(name)?.column.part === 'air');
 
 export function zeroPlot(drift: ZeroDrift, startMs: number, air?: { name: string; x: ArrayLike<number>; y: ArrayLike<number> }): PlotSpec {
   const series: PlotSeries[] = drift.lengths.map((channel, i) => ({
@@ -46,8 +48,9 @@ export function zeroPlot(drift: ZeroDrift, startMs: number, air?: { name: string
     y: drift.nm[i],
     keys: drift.rows,
     digits: 1,
+    ofPoints: true,
   }));
-  if (air) series.push({ name: splitChannel(air.name).symbol.replaceAll('_', ' '), unit: 'degC', colour: 's5', draw: 'dashed', axis: 'right', x: air.x, y: air.y });
+  if (air) series.push({ name: splitChannel(air.name).symbol.replaceAll('_', ' '), unit: 'degC', colour: 's5', draw: 'dashed', ofPoints: true, axis: 'right', x: air.x, y: air.y });
   return {
     title: 'Drift of the zero',
     what: air ? 'nm against hours since start; air in °C on the right' : 'nm against hours since start',

@@ -1,29 +1,11 @@
-// uPlot wants one x for all series: series are sorted by x and joined. NaN becomes null (a gap), an instant that only another
+// uPlot wants one x for all series: series in order of x (in_order.ts) are joined. NaN becomes null (a gap), an instant that only another
 // series has becomes undefined (no gap).
 import uPlot from 'uplot';
-import type { PlotSeries, PlotSpec } from './spec';
-
-function isSorted(x: ArrayLike<number>): boolean {
-  for (let i = 1; i < x.length; i++) if (x[i] < x[i - 1]) return false;
-  return true;
-}
-
-// The same series in order of x, every parallel array with it. Returns the series itself where nothing is to be done.
-export function inOrder(series: PlotSeries): PlotSeries {
-  if (isSorted(series.x)) return series;
-  const order = Array.from({ length: series.x.length }, (_, i) => i).sort((a, b) => series.x[a] - series.x[b]);
-  const by = (values: ArrayLike<number>) => order.map((i) => values[i]);
-  return {
-    ...series,
-    x: by(series.x),
-    y: by(series.y),
-    ...(series.min && { min: by(series.min) }),
-    ...(series.max && { max: by(series.max) }),
-    ...(series.keys && { keys: by(series.keys) }),
-  };
-}
+import type { PlotSpec } from './spec';
 
 const nulled = (y: ArrayLike<number>): (number | null)[] => Array.from(y, (value) => (Number.isFinite(value) ? value : null));
+
+const expand = 2; // uPlot's NULL_EXPAND: a gap stays one where other series have instants within it
 
 // spec.series must be in order of x each.
 export function aligned(spec: PlotSpec): uPlot.AlignedData {
@@ -31,7 +13,7 @@ export function aligned(spec: PlotSpec): uPlot.AlignedData {
   spec.series.forEach((one, at) => byX.set(one.x, [...(byX.get(one.x) ?? []), at]));
   if (byX.size === 0) return [[]];
   const tables = [...byX].map(([x, members]) => [Array.from(x), ...members.map((at) => nulled(spec.series[at].y))] as uPlot.AlignedData);
-  const joined = tables.length === 1 ? tables[0] : uPlot.join(tables);
+  const joined = tables.length === 1 ? tables[0] : uPlot.join(tables, tables.map((table) => table.map(() => expand)));
   const place = [...byX.values()].flat(); // column of the joined data -> series
   const columns: uPlot.AlignedData[number][] = [joined[0]];
   place.forEach((at, column) => (columns[at + 1] = joined[column + 1]));

@@ -1,9 +1,10 @@
-// Instants that explain a step in every plot over time: changes of force, stops, restarts, remarks. As vertical lines.
+// Instants that explain a step in every plot over time: changes of force, stops, resumes, restarts, remarks. As vertical lines.
 import { createContext } from 'preact';
 import type uPlot from 'uplot';
 import type { Palette } from './palette';
 import type { Range } from './ranges';
-import type { Colour, PlotMark, PlotSpec } from './spec';
+import { inOrder } from './in_order';
+import type { Colour, PlotMark, PlotSeries, PlotSpec } from './spec';
 
 export type TimeMark = Omit<PlotMark, 'at'> & { atMs: number };
 
@@ -16,6 +17,7 @@ export const RowMarks = createContext<readonly PlotMark[]>([]);
 export const markLooks: Record<PlotMark['kind'], { colour: Colour; dash: number[]; one: string; many: string }> = {
   force: { colour: 's6', dash: [1, 3], one: 'change of force', many: 'changes of force' },
   stop: { colour: 'bad', dash: [], one: 'stop or pause', many: 'stops or pauses' },
+  resume: { colour: 'good', dash: [8, 3], one: 'resume', many: 'resumes' },
   restart: { colour: 's5', dash: [8, 3], one: 'restart', many: 'restarts' },
   note: { colour: 'muted', dash: [3, 2], one: 'remark', many: 'remarks' },
 };
@@ -23,12 +25,24 @@ export const markLooks: Record<PlotMark['kind'], { colour: Colour; dash: number[
 export function withTimeMarks(spec: PlotSpec, marks: readonly TimeMark[], ofRows: readonly PlotMark[] = []): PlotSpec {
   if (spec.x.sinceFirstRow) {
     const all = [...(spec.marks ?? []), ...within(spec, ofRows)].sort((a, b) => a.at - b.at);
-    return all.length > 0 ? { ...spec, marks: all } : spec;
+    return all.length > 0 ? broken({ ...spec, marks: all }) : spec;
   }
   const { startMs, unit } = spec.x;
   if (spec.marks || startMs === undefined || unit !== 'h' || marks.length === 0) return spec;
   const at = marks.map(({ atMs, ...mark }): PlotMark => ({ ...mark, at: (atMs - startMs) / 3600e3 }));
-  return { ...spec, marks: within(spec, at) };
+  return broken({ ...spec, marks: within(spec, at) });
+}
+
+// Lines of points with a gap at each stop: nothing was measured between the points before and after it.
+function broken(spec: PlotSpec): PlotSpec {
+  const stops = spec.marks!.filter((mark) => mark.kind === 'stop').map((mark) => mark.at);
+  if (stops.length === 0 || !spec.series.some((one) => one.ofPoints)) return spec;
+  const gapped = (one: PlotSeries): PlotSeries => {
+    if (!one.ofPoints || one.x.length === 0) return one;
+    const at = stops.filter((x) => x > one.x[0] && x < one.x[one.x.length - 1]);
+    return inOrder({ ...one, x: [...Array.from(one.x), ...at], y: [...Array.from(one.y), ...at.map(() => NaN)], ...(one.keys && { keys: [...Array.from(one.keys), ...at.map(() => NaN)] }) });
+  };
+  return { ...spec, series: spec.series.map(gapped) };
 }
 
 // Those between the first and the last point of the plot.

@@ -28,10 +28,20 @@ function extent(series: readonly PlotSeries[], range: Range): [number, number] {
   for (const one of series) {
     const lows = one.min ?? one.y;
     const highs = one.max ?? one.y;
+    const take = (least: number, most: number) => {
+      if (least < low) low = least;
+      if (most > high) high = most;
+    };
     for (let i = 0; i < one.x.length; i++) {
-      if (one.x[i] < range.from || one.x[i] > range.to) continue;
-      if (lows[i] < low) low = lows[i];
-      if (highs[i] > high) high = highs[i];
+      if (one.x[i] >= range.from && one.x[i] <= range.to) take(lows[i], highs[i]);
+      if (i === 0 || one.draw === 'markers') continue;
+      // Where a line crosses an end of what is seen, between two points.
+      for (const end of [range.from, range.to]) {
+        if (!(one.x[i - 1] < end && end < one.x[i])) continue;
+        const share = one.draw === 'steps' ? 0 : (end - one.x[i - 1]) / (one.x[i] - one.x[i - 1]);
+        const at = (values: ArrayLike<number>) => values[i - 1] + share * (values[i] - values[i - 1]);
+        take(at(lows), at(highs));
+      }
     }
   }
   return [low, high];

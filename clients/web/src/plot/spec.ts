@@ -19,6 +19,7 @@ export interface PlotSeries {
   marker?: Marker; // with markers; absent: dot
   axis?: 'left' | 'right';
   digits?: number; // in legend and table; absent: by the unit
+  ofPoints?: boolean; // a value for each point of a run: the line ends at a stop or pause
   quiet?: boolean; // one of many: thin, and grey while another one is pointed at in the key
   dash?: readonly number[]; // px, of a line: tells many of few colours apart
   // Parallel to y, with markers: which of the page's things a point is (row of the run), so that it can be chosen.
@@ -41,7 +42,7 @@ export interface PlotLimit {
 // An instant that explains a step: a vertical line.
 export interface PlotMark {
   at: number; // in the unit of x
-  kind: 'force' | 'stop' | 'restart' | 'note';
+  kind: 'force' | 'stop' | 'resume' | 'restart' | 'note';
   label: string; // "force 0 to 0.768 N"
 }
 

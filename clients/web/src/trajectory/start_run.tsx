@@ -17,11 +17,12 @@ import { forceText, trajectoryRows } from './parse';
 
 const over = 5; // Run.State: DONE and what follows
 
-export function StartRun({ text, name, runName, compensate, verb = 'Start a run', off }: {
+export function StartRun({ text, name, runName, compensate, onStarted, verb = 'Start a run', off }: {
   text: string;
   name: string; // of the trajectory, for people
   runName?: string;
   compensate?: boolean; // move to the targets of the model that serves
+  onStarted?: () => void; // the daemon has taken it
   verb?: string;
   off?: string | undefined;
 }) {
@@ -32,6 +33,7 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
   const start = useCommand(async () => {
     const { run } = await withLease((leaseToken) =>
       api.run().createRun({ name: runName || name, trajectoryName: name, trajectoryText: text, leaseToken, requestId, setup, compensate: compensate ?? false }));
+    onStarted?.();
     go(`/runs/${run!.id}`);
   });
   const look = useCommand(async () => {

@@ -1,7 +1,11 @@
-// Asks once before something moves, heats or discards. The harmless button has the focus, Esc means it.
+// Asks once before something moves, heats or discards. The harmless button has the focus, Esc means it. A question ends with the
+// view that asks it, and is not answered while the page is not live.
 import { signal, type ReadonlySignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
-import { Button } from './button';
+import { useEffect } from 'preact/hooks';
+import { place } from '@/app/router';
+import { typed } from '@/app/storage';
+import { Button, CommandButton } from './button';
 import { Dialog } from './dialog';
 import { Field } from './field';
 
@@ -23,13 +27,23 @@ export function confirm(question: Question): Promise<boolean> {
 }
 
 // A reason in writing, among the facts of a question whose `off` waits for it.
-export function ReasonField({ label, reason }: { label: string; reason: { value: string } }) {
-  return <Field label={label} value={reason.value} onInput={(text) => (reason.value = text)} />;
+// id: of what is reasoned about; text that was typed for it stays until the question is answered with its verb.
+export function ReasonField({ id, label, reason }: { id: string; label: string; reason: { value: string } }) {
+  const key = `reason.${id}`;
+  useEffect(() => void (reason.value ||= typed.get(key) ?? ''), [key]);
+  return <Field label={label} value={reason.value} onInput={(text) => typed.set(key, (reason.value = text))} />;
 }
+
+export const reasonTaken = (id: string): void => typed.set(`reason.${id}`, '');
 
 // Stands once in the shell.
 export function ConfirmDialog() {
   const now = asked.value;
+  const { path } = place.value;
+  useEffect(() => () => {
+    asked.peek()?.answer(false);
+    asked.value = undefined;
+  }, [path]);
   const answer = (yes: boolean) => {
     asked.value = undefined;
     now?.answer(yes);
@@ -47,7 +61,7 @@ export function ConfirmDialog() {
           )}
           <div class="actions">
             <span data-harmless><Button onPress={() => answer(false)}>{now.question.keep}</Button></span>
-            <Button kind={now.question.bad ? 'bad' : 'main'} off={now.question.off?.value} onPress={() => answer(true)}>{now.question.verb}</Button>
+            <CommandButton kind={now.question.bad ? 'bad' : 'main'} off={now.question.off?.value} onPress={() => answer(true)}>{now.question.verb}</CommandButton>
           </div>
         </>
       )}

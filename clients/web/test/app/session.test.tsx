@@ -2,6 +2,8 @@
 import { cleanup, fireEvent, render, screen } from '@testing-library/preact';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { LogIn } from '@/app/log_in';
+import { PageBars } from '@/app/page_bars';
+import { serverTimeMs } from '@/live/connection';
 import { NameDialog, askName } from '@/app/name';
 import { place } from '@/app/router';
 import { enter, operatorName, session, sessionLost, setOperatorName } from '@/app/session';
@@ -99,4 +101,17 @@ test('a name full of markup is text', async () => {
   void askName();
   expect((await screen.findByRole('heading')).textContent).toBe(hostile);
   expect(document.querySelector('img, script')).toBeNull();
+});
+
+test('a session that is about to end says so, and that Stop ends with it', () => {
+  const ends = Date.UTC(2026, 10, 22, 20);
+  session.value = { state: 'in', name: 'vera', role: 'viewer', ends: '2026-11-22T20:00:00Z' };
+  serverTimeMs.value = ends - 11 * 60e3;
+  const { unmount } = render(<PageBars />);
+  expect(screen.queryByText(/Stop motion with it/)).toBeNull();
+  unmount();
+  serverTimeMs.value = ends - 9 * 60e3;
+  render(<PageBars />);
+  expect(screen.getByRole('alert').textContent).toContain('ends at 20:00:00 UTC');
+  serverTimeMs.value = undefined;
 });

@@ -1,12 +1,18 @@
 // What came live behind what was recorded.
 import { expect, it } from 'vitest';
 import { resetCellTime, takeCellTime } from '@/live/channels';
-import { Tail, usualStep } from '@/live/history';
+import { changeOf, Tail, usualStep } from '@/live/history';
 
 it('knows how far apart live values usually are, whatever one gap is', () => {
   expect(usualStep([0, 36, 72, 900, 936])).toBe(36);
   expect(usualStep([5])).toBe(0);
   expect(usualStep([])).toBe(0);
+});
+
+it('says over which time a value changed, whatever the window is', () => {
+  const track = { channel: 'air_degC', unit: 'degC', atMs: [0, 60e3, 120e3, 180e3], mean: [NaN, 20, 20.5, NaN] };
+  expect(changeOf(track)).toEqual({ change: 0.5, seconds: 60 });
+  expect(changeOf({ ...track, mean: [NaN, 20, NaN, NaN] })).toEqual({ change: NaN, seconds: NaN });
 });
 
 it('begins the tail anew when the clock is set back, and keeps it over a little jitter', () => {

@@ -53,6 +53,13 @@ describe('plots of many channels', () => {
     fireEvent.click(screen.getByRole('button', { name: 'Deviation from the start' }));
     expect(screen.getByText('°C against hours since start')).toBeTruthy();
   });
+  it('have one start, the first instant that all of them reach', () => {
+    const late = { ...many, series: [{ ...many.series[0], x: [0, 1, 2, 3], y: [20, 21, 22, 23] }, { ...many.series[1], x: [2, 3], y: [30, 30.5] }] };
+    const spec = deviationFromStart(late);
+    expect(spec.series[0].y).toEqual([-2, -1, 0, 1]);
+    expect(spec.series[1].y).toEqual([0, 0.5]);
+    expect(spec.what).toContain('deviation from 2.000');
+  });
   it('are so in a report', () => {
     const written = sampleReport();
     const t07 = written.points.columns.find((one) => one.channel === 't07_degC')!;
@@ -84,7 +91,7 @@ describe('marks over time', () => {
     render(<ReportPage report={readReport(JSON.stringify(written))} />);
     const plots = document.querySelectorAll('figure.plot').length;
     expect(plots).toBe(4);
-    for (const words of ['1 change of force', '1 stop or pause', '1 restart']) expect(screen.getAllByText(words)).toHaveLength(plots);
+    for (const words of ['1 change of force', '1 stop or pause', '1 resume']) expect(screen.getAllByText(words)).toHaveLength(plots);
   });
   it('are in residuals over time, where the rows hold a force', () => {
     const specs = residualSpecs({

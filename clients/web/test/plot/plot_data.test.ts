@@ -1,5 +1,7 @@
 import { describe, expect, it } from 'vitest';
-import { aligned, inOrder, nearest } from '@/plot/aligned';
+import { aligned, nearest } from '@/plot/aligned';
+import { inOrder } from '@/plot/in_order';
+import { withTimeMarks } from '@/plot/marks';
 import { gapsOf, wholeRange, yRange } from '@/plot/ranges';
 import type { PlotSeries, PlotSpec } from '@/plot/spec';
 import { svgOf } from '@/plot/svg';
@@ -20,6 +22,12 @@ describe('what uPlot is given', () => {
     expect(data[1]).toEqual([1, undefined, 2, 3, 4]);
     expect(data[2].slice(0, 3)).toEqual([undefined, 7, 8]);
   });
+  it('keeps a gap where another series has instants within it', () => {
+    const data = aligned(plot(line({ x: [0, 1, 2, 3], y: [1, NaN, NaN, 4] }), line({ x: [0.5, 1.5, 2.5], y: [7, NaN, 9] })));
+    expect(data[0]).toEqual([0, 0.5, 1, 1.5, 2, 2.5, 3]);
+    expect(data[1]).toEqual([1, null, null, null, null, null, 4]);
+    expect(data[2].slice(1, 6)).toEqual([7, null, null, null, 9]);
+  });
   it('is in order of x, with the keys of the points', () => {
     const sorted = inOrder(line({ x: [3, 1, 2], y: [30, 10, 20], keys: [103, 101, 102] }));
     expect([sorted.x, sorted.y, sorted.keys]).toEqual([[1, 2, 3], [10, 20, 30], [101, 102, 103]]);
@@ -39,11 +47,25 @@ describe('ranges', () => {
     expect(low).toBe(-high);
     expect(high).toBeLessThan(6);
   });
+  it('hold the ends of lines that cross the window', () => {
+    const steep = { ...plot(line({ x: [0, 10], y: [0, 100] })), y: { unit: 'nm', zero: false } };
+    const [low, high] = yRange(steep, 'left', { from: 4, to: 6 });
+    expect(low).toBeLessThanOrEqual(40);
+    expect(high).toBeGreaterThanOrEqual(60);
+    expect(high).toBeLessThan(70);
+  });
   it('span all series', () => expect(wholeRange(plot(line(), line({ x: [-2, 9], y: [0, 0] })))).toEqual({ from: -2, to: 9 }));
   it('find the gap that all lines share', () => {
     expect(gapsOf(plot(line(), line({ y: [1, NaN, NaN, 4] })))).toEqual([{ from: 1, to: 3 }]);
     expect(gapsOf(plot(line(), line({ y: [1, 2, 3, 4] })))).toEqual([]);
   });
+});
+
+it('breaks lines of points at a stop, and no line of the record', () => {
+  const clocked = { ...plot(line({ y: [1, 2, 3, 4], keys: [11, 12, 13, 14], ofPoints: true }), line({ name: 'air', y: [5, 6, 7, 8] })), x: { label: 'time_h', unit: 'h', startMs: 0 } };
+  const [points, record] = withTimeMarks(clocked, [{ atMs: 1.5 * 3600e3, kind: 'stop', label: 'Anna stopped everything' }]).series;
+  expect([points.x, points.y, points.keys]).toEqual([[0, 1, 1.5, 2, 3], [1, 2, NaN, 3, 4], [11, 12, NaN, 13, 14]]);
+  expect(record.y).toEqual([5, 6, 7, 8]);
 });
 
 describe('exports', () => {

@@ -5,6 +5,7 @@ import { afterEach, beforeEach, expect, test } from 'vitest';
 import { RunHold_Kind, RunSchema } from '@/api/gen/driftwise/v1/run_pb';
 import { setOperatorName } from '@/app/session';
 import { timestampOf } from '@/format/time';
+import { connection } from '@/live/connection';
 import { askAboutHold } from '@/parts/hold_question';
 import { ConfirmDialog } from '@/ui/confirm';
 
@@ -15,6 +16,7 @@ const verb = () => screen.getByRole('button', { name: 'Resume run 3', hidden: tr
 
 beforeEach(() => {
   setOperatorName('bob');
+  connection.value = { phase: 'live' };
   render(<ConfirmDialog />);
 });
 afterEach(cleanup);

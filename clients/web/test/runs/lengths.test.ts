@@ -2,7 +2,9 @@
 import { create } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 import { PointSchema } from '@/api/gen/driftwise/v1/run_pb';
-import { lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
+import { ChannelLayoutSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { takeLayout } from '@/live/channels';
+import { airOf, lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
 import { sceneOfPoints } from '@/views/runs/scene';
 import { at } from '../fake/cell';
 
@@ -10,7 +12,7 @@ test('lengths in any unit are compared in nm and drawn in mm', () => {
   const of = (unit: string, value: number) => [0, value].map((x, row) => create(PointSchema, { row: BigInt(row), zero: true, measureTime: at(row), values: ['x', 'y'].map((name) => ({ channel: `${name}_${unit}`, value: x })) }));
   for (const [unit, value] of [['m', 9e-7], ['mm', 9e-4], ['um', 0.9], ['nm', 900]] as const) {
     expect(zeroDrift(of(unit, value), 0, [`x_${unit}`]).nm[0][1]).toBeCloseTo(900, 6);
-    expect(sceneOfPoints({ points: of(unit, value), attempts: [] })!.axes[0].high).toBeCloseTo(9e-4, 12);
+    expect(sceneOfPoints({ points: of(unit, value), passages: [], attempts: [] })!.axes[0].high).toBeCloseTo(9e-4, 12);
   }
 });
 
@@ -22,4 +24,11 @@ test('motor coordinates, commands and spreads are no lengths of the pose', () =>
 test('points without a length say so in place of an empty drift', () => {
   const returns = [0, 1].map((row) => create(PointSchema, { row: BigInt(row), zero: true, measureTime: at(row), values: [{ channel: 'rx_arcsec', value: row }] }));
   expect(zeroPlot(zeroDrift(returns, 0, lengthsOf(['rx_arcsec'])), 0).why).toBe('No length is among the channels of its points.');
+});
+
+test('a thermometer is one of the air by its name or its declared part, and by nothing else', () => {
+  takeLayout(create(ChannelLayoutSchema, { revision: 1n, columns: [{ channel: 't04_degC', part: 'robot' }, { channel: 't20_degC', part: 'air' }] }));
+  expect(airOf(['t04_degC', 't20_degC'])).toBe('t20_degC');
+  expect(airOf(['t04_degC', 't99_degC'])).toBeUndefined();
+  expect(airOf(['t20_degC', 'air_x_degC'])).toBe('air_x_degC');
 });

@@ -26,10 +26,18 @@ it('a run is found by every word that is typed', () => {
 });
 
 it('a row keeps all its attempts and the one point that came of them', () => {
-  const rows = rowsOf({ points: fakePoints, attempts: fakeAttempts });
+  const rows = rowsOf({ points: fakePoints, passages: [], attempts: fakeAttempts });
   expect(rows.length).toBe(612);
   expect(rows[40].attempts.map((one) => one.number)).toEqual([1, 2]);
   expect(rows[40].point?.row).toBe(40n);
+});
+
+it('a passage is a row after those of the plan, by a word of its own', () => {
+  const passage = { ...fakePoints[0], id: 9000n, row: 613n, passage: true };
+  const rows = rowsOf({ points: fakePoints, passages: [passage], attempts: fakeAttempts });
+  expect(rows.length).toBe(613);
+  expect(rows[612].point?.passage).toBe(true);
+  expect(rows[612].attempts).toEqual([]);
 });
 
 it('drift of the zero starts at zero with every datum', () => {

@@ -30,7 +30,7 @@ const happens = (id: bigint, what: string, detail: string, minutes: number, runI
 
 it('marks force, stops and restarts, and leaves out other runs and what was before', async () => {
   const points = fakePoints.slice(0, 6).map((point, i) => ({ ...point, values: [{ $typeName: 'driftwise.v1.ChannelValue' as const, channel: 'force_N', value: i < 3 ? 0 : 0.768 }] }));
-  render(<RunMarks run={fakeRun} points={{ points, attempts: [] }}><Shown /></RunMarks>);
+  render(<RunMarks run={fakeRun} points={{ points, passages: [], attempts: [] }}><Shown /></RunMarks>);
   await screen.findByText('force: force 0 to 0.768 N');
   await vi.waitFor(() => {
     happens(900n, 'run.pause', 'anna paused', 30, 17n);

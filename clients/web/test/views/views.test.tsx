@@ -89,7 +89,7 @@ describe('what changes for others', () => {
     render(<><Promote model={model(11)} onDone={() => {}} /><ConfirmDialog /></>);
     fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
     expect(await screen.findByText('t01 is a thermometer of the instrument')).toBeTruthy();
-    expect(screen.getByRole('button', { name: 'Promote model 11 all the same' })).toBeTruthy();
+    expect(await screen.findByRole('button', { name: 'Promote model 11 all the same' })).toBeTruthy();
     fireEvent.click(screen.getByText('Keep no model')); // the question belongs to the page: it would outlive the test
   });
   it('promotes over the questions that were read alone: one that came meanwhile is refused, and named when asked again', async () => {

@@ -1,10 +1,11 @@
-import { useState } from 'preact/hooks';
+import { useRef, useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { modelApi } from '@/api/model';
 import { go, query } from '@/app/router';
 import { FormulaField } from '@/formula/formula_field';
 import { cell } from '@/live/state';
-import { CommandButton } from '@/ui/button';
+import { useRuns } from '@/parts/runs';
+import { Button, CommandButton } from '@/ui/button';
 import { Panel } from '@/ui/panel';
 import { Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
@@ -13,13 +14,15 @@ import { useTyped } from '@/ui/use_typed';
 
 // From which simulation the look begins: the model that serves, another, or a formula fitted to the same rows.
 export function DiagnoseForm() {
-  const runs = useAsked('runs with points', async (signal) => (await api.run().listRuns({ limit: 200 }, { signal })).runs.filter((run) => run.acceptedCount > 0n));
   const models = useAsked('models to begin from', async (signal) => (await modelApi().listModels({}, { signal })).models.reverse());
   const [run, setRun] = useState(query('run') ?? '');
+  const runs = useRuns([run]);
   const [from, setFrom] = useState(query('model') ?? '');
   const [formula, setFormula, taken] = useTyped('diagnose.formula', 'q ~ ');
-  const chosenRun = run || (runs.value?.[0] ? String(runs.value[0].id) : '');
-  const serving = cell.value?.servingModelId;
+  const chosenRun = run || (runs.newest ? String(runs.newest.id) : '');
+  const withPoints = runs.value?.filter((one) => one.acceptedCount > 0n || String(one.id) === chosenRun);
+  const first = useRef<bigint | undefined>(undefined); // a model that begins to serve meanwhile is offered, and changes nothing
+  const serving = (first.current ??= cell.value?.servingModelId);
   const begin = from || (serving !== undefined ? String(serving) : models.value?.[0] ? String(models.value[0].id) : 'formula');
   const start = useCommand(async () => {
     const { diagnosis } = await api.diagnosis().createDiagnosis({
@@ -35,10 +38,11 @@ export function DiagnoseForm() {
         <div class="row diagnosis-start">
           <label class="field"><span>run</span>
             <select value={chosenRun} onChange={(event) => setRun(event.currentTarget.value)}>
-              {runs.value?.map((one) => <option key={String(one.id)} value={String(one.id)}>run {String(one.id)} {one.name}</option>)}
-              {runs.value?.length === 0 && <option value="">none has points yet</option>}
+              {withPoints?.map((one) => <option key={String(one.id)} value={String(one.id)}>run {String(one.id)} {one.name}</option>)}
+              {withPoints?.length === 0 && <option value="">none has points yet</option>}
             </select>
           </label>
+          {runs.value && !runs.isAll && <Button small busy={runs.asking} onPress={() => void runs.older()}>Load older runs</Button>}
           <label class="field"><span>simulation it is held against</span>
             <select value={begin} onChange={(event) => setFrom(event.currentTarget.value)}>
               {models.value?.map((one) => <option key={String(one.id)} value={String(one.id)}>model {String(one.id)}{one.serving ? ', serves' : ''}: {one.formula}</option>)}

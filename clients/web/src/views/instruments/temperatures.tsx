@@ -2,10 +2,10 @@
 // glued to.
 import { useMemo } from 'preact/hooks';
 import { signed } from '@/format/numbers';
-import { lastMidnight } from '@/format/time';
+import { duration, lastMidnight } from '@/format/time';
 import { mkFromKelvin, splitChannel } from '@/format/units';
 import { channel, type Channel } from '@/live/channels';
-import type { History } from '@/live/history';
+import { changeOf, type History } from '@/live/history';
 import type { Track } from '@/live/series';
 import { seriesOfTrack } from '@/parts/history_plot';
 import { Plot } from '@/plot/plot';
@@ -13,14 +13,15 @@ import { Panel } from '@/ui/panel';
 import { useWhileSeen } from '@/ui/use_while_seen';
 import { LiveValue } from './live_value';
 
-// mK over the window, and mK/h over its last quarter by least squares.
-export function trend(track: Track): { change: number; slope: number } {
+// mK from the first to the last value, the seconds between them, and mK/h over its last quarter by least squares.
+export function trend(track: Track): { change: number; seconds: number; slope: number } {
   const at: number[] = [];
   const value: number[] = [];
   track.mean.forEach((mean, i) => {
     if (Number.isFinite(mean)) (at.push(track.atMs[i] / 3600e3), value.push(mkFromKelvin(mean)));
   });
-  if (at.length < 3) return { change: NaN, slope: NaN };
+  const over = changeOf(track);
+  if (at.length < 3) return { ...over, change: NaN, slope: NaN };
   const from = Math.max(0, Math.floor(at.length * 0.75) - 1);
   const n = at.length - from;
   let t = 0;
@@ -29,13 +30,13 @@ export function trend(track: Track): { change: number; slope: number } {
   let tv = 0;
   let tt = 0;
   for (let i = from; i < at.length; i++) (tv += (at[i] - t) * (value[i] - v)), (tt += (at[i] - t) ** 2);
-  return { change: value[value.length - 1] - value[0], slope: tt > 0 ? tv / tt : NaN };
+  return { ...over, change: mkFromKelvin(over.change), slope: tt > 0 ? tv / tt : NaN };
 }
 
 function Small({ now, history, low, high }: { now: Channel; history: History; low: number; high: number }) {
   const startMs = lastMidnight(history.fromMs);
   const track = history.of(now.name);
-  const { change, slope } = trend(track);
+  const { change, seconds, slope } = trend(track);
   const spec = useMemo(() => ({
     title: splitChannel(now.name).symbol.replaceAll('_', ' '),
     what: '°C against time of day',
@@ -47,7 +48,7 @@ function Small({ now, history, low, high }: { now: Channel; history: History; lo
   return (
     <div class={`small-multiple${now.stale.value ? ' stale' : ''}`}>
       <div class="row"><strong>{spec.title}</strong> <LiveValue channel={now} /></div>
-      <p class="note muted">{signed(change, 0)} mK, {signed(slope, 0)} mK/h</p>
+      <p class="note muted">{signed(change, 0)} mK in {duration(Math.round(seconds / 60) * 60)}, {signed(slope, 0)} mK/h</p>
       <p class="note muted place">{[now.column.place, now.column.part].filter(Boolean).join(' · ') || '\u00a0'}</p>
       <Plot spec={spec} live height={110} bare />
     </div>

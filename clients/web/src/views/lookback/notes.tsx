@@ -1,5 +1,5 @@
 // Remarks at an instant: written here, marks in the plots of a run over that time.
-import { useMemo, useState } from 'preact/hooks';
+import { useMemo } from 'preact/hooks';
 import { dateClock, fromUtc, ms, timestampOf } from '@/format/time';
 import { CommandButton } from '@/ui/button';
 import { Field } from '@/ui/field';
@@ -14,14 +14,14 @@ import { lookBackApi } from '@/api/look_back';
 export function Notes() {
   const asked = useAsked('time notes', async (signal) => lookBackApi().listTimeNotes({}, { signal }));
   const [text, setText, taken] = useTyped('time-note');
-  const [at, setAt] = useState('');
+  const [at, setAt, atTaken] = useTyped('time-note.at');
   const atMs = at.trim() === '' ? undefined : fromUtc(at.trim());
   const wrong = at.trim() !== '' && atMs === undefined ? 'UTC like 2026-11-22T18:00:00Z, or blank for now' : undefined;
   const requestId = useMemo(() => crypto.randomUUID?.() ?? '', [text, at]); // a second press is the same remark
   const pin = useCommand(async () => {
     await lookBackApi().addTimeNote({ text, requestId, ...(atMs !== undefined && { noteTime: timestampOf(atMs) }) });
     setText('');
-    taken();
+    taken(), atTaken();
     asked.again();
   });
   const notes = asked.value?.notes;

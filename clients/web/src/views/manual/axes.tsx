@@ -8,7 +8,7 @@ import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
 import { withLease } from '@/app/lease';
 import { named } from '@/app/name';
 import { fixed } from '@/format/numbers';
-import { channel } from '@/live/channels';
+import { channel, type Channel } from '@/live/channels';
 import { connection } from '@/live/connection';
 import { cell, cellTimeMs, progress } from '@/live/state';
 import { askAboutHold, type HoldAnswer } from '@/parts/hold_question';
@@ -16,6 +16,7 @@ import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Panel } from '@/ui/panel';
 import { Empty, Failed } from '@/ui/states';
+import { StaleNote } from '@/ui/tile';
 import { useCommand } from '@/ui/use_command';
 import { HeldJog } from './held_jog';
 import { JogButton } from './jog_button';
@@ -71,10 +72,10 @@ export function Axes() {
     }
   };
   // Of the movement under way, which is read more often than the channel, or the channel's; stale: not known to be the present one.
-  const position = (name: string): { mm: number; stale: boolean } => {
+  const position = (name: string): { mm: number; stale: boolean; live?: Channel } => {
     if (held.current && state?.over === false) return { mm: state.positions.find((one) => one.channel === name)?.positionMm ?? NaN, stale: connection.value.phase !== 'live' };
     const live = channel(name);
-    return { mm: live?.value.value ?? NaN, stale: live?.stale.value ?? true };
+    return { mm: live?.value.value ?? NaN, stale: live?.stale.value ?? true, ...(live && { live }) };
   };
   const off = offWhy() ?? (needsAnswer ? 'A run stands: say first that the axes may move' : undefined);
   return (
@@ -89,11 +90,12 @@ export function Axes() {
         </select>
       </label>
       {axes.map((axis) => {
-        const { mm: at, stale } = position(axis.channel);
+        const { mm: at, stale, live } = position(axis.channel);
         return (
           <div class="jog-axis" key={axis.channel}>
             <b>{axis.channel.replace(/_mm$/, '')}</b>
             <span class={`number${stale ? ' stale muted' : ''}`} title={stale ? 'stale: not the position of now' : undefined}>{fixed(at, 6)} mm</span>
+            {stale && live && <StaleNote channel={live} />}
             <meter min={axis.minMm} max={axis.maxMm} value={Number.isFinite(at) ? at : axis.minMm} aria-label={`${axis.channel} between ${axis.minMm} and ${axis.maxMm} mm`} />
             <span class="muted nowrap">{limit(axis.minMm)} to {limit(axis.maxMm)} mm</span>
             <JogButton label={`Hold to move ${axis.channel} down, − ${stepText(stepMm)}`} text={`− ${stepText(stepMm)}`} off={off} press={() => void press(axis, -1)} release={() => held.current?.release()} />

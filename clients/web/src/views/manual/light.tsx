@@ -7,6 +7,7 @@ import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
 import { Empty } from '@/ui/states';
 import { Table } from '@/ui/table';
+import { StaleNote } from '@/ui/tile';
 
 const unitOf = (name: string) => unitSign(splitChannel(name).unit);
 const ofAxis = (name: string) => /^q\d/.test(name.slice(name.lastIndexOf('.') + 1)); // "mn.q1_mm": of the robot mn
@@ -33,7 +34,7 @@ export function Light() {
           columns={[
             { title: 'instrument', of: (one) => one.column.deviceId },
             { title: 'channel', of: (one) => splitChannel(one.name).symbol },
-            { title: 'now', number: true, of: (one) => <span class={one.stale.value ? 'muted' : ''}>{fixed(one.value.value, digitsOf(one.name))} {unitOf(one.name)}</span> },
+            { title: 'now', number: true, of: (one) => <><span class={one.stale.value ? 'stale muted' : ''}>{fixed(one.value.value, digitsOf(one.name))} {unitOf(one.name)}</span>{one.stale.value && <> <StaleNote channel={one} /></>}</> },
             { title: 'most seen', number: true, of: (one) => `${fixed(most[one.name], digitsOf(one.name))} ${unitOf(one.name)}` },
           ]}
         />

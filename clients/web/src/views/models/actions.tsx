@@ -7,7 +7,7 @@ import { modelApi } from '@/api/model';
 import { cell } from '@/live/state';
 import { servedText } from '@/parts/served';
 import { Button, CommandButton } from '@/ui/button';
-import { confirm, ReasonField } from '@/ui/confirm';
+import { confirm, ReasonField, reasonTaken } from '@/ui/confirm';
 import { download } from '@/ui/download';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
@@ -33,7 +33,7 @@ export function Promote({ model, onDone }: { model: Model; onDone: () => void })
         ['who is affected', affected],
         ['to undo', 'Roll back'],
         ...questions.map((question) => ['although', question] as const),
-        ...(forReason.length > 0 ? [['for the record', <ReasonField label="Why it serves all the same" reason={reason} />] as const] : []),
+        ...(forReason.length > 0 ? [['for the record', <ReasonField id={`model ${model.id}`} label="Why it serves all the same" reason={reason} />] as const] : []),
       ],
       off,
       bad: questions.length > 0,
@@ -45,6 +45,7 @@ export function Promote({ model, onDone }: { model: Model; onDone: () => void })
     if (unread.length > 0)
       throw new ConnectError(`model ${model.id} was not promoted: ${unread.join('; ')}. That was not so when you were asked; promote it again`, Code.FailedPrecondition);
     await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0, reason: reason.value.trim() });
+    reasonTaken(`model ${model.id}`);
     onDone();
   });
   return (

@@ -1,18 +1,16 @@
 // Which rows a fit or a study reads: runs, marked in the address (?run=1,2), or a file of the person's own. Without a word the
-// newest run that has points.
+// newest run that has points when the page was opened: one that ends meanwhile is offered and changes nothing.
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
-import { Run_State, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { query, setQuery } from '@/app/router';
 import { count } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
-import { useEvents } from '@/live/events';
+import { useRuns, type Runs } from '@/parts/runs';
+import { Button } from '@/ui/button';
 import { FileInput } from '@/ui/file_input';
 import { Failed } from '@/ui/states';
-import { useAsked, type Asked } from '@/ui/use_asked';
 
 export interface DataChoice {
-  runs: Asked<Run[]>;
+  runs: Runs;
   chosen: readonly string[]; // ids of runs; none while a file is chosen
   file: { name: string; bytes: Uint8Array } | undefined;
   setFile: (file: { name: string; bytes: Uint8Array } | undefined) => void;
@@ -22,14 +20,10 @@ export interface DataChoice {
 }
 
 export function useDataChoice(): DataChoice {
-  const runs = useAsked('runs with points', async (signal) => {
-    const answer = await api.run().listRuns({ limit: 200 }, { signal });
-    return answer.runs.filter((run) => run.acceptedCount > 0n);
-  });
-  useEvents('run', (run) => run.state >= Run_State.DONE && runs.again());
-  const [file, setFile] = useState<{ name: string; bytes: Uint8Array }>();
   const wanted = query('run');
-  const newest = runs.value?.[0];
+  const runs = useRuns(wanted?.split(','));
+  const [file, setFile] = useState<{ name: string; bytes: Uint8Array }>();
+  const { newest } = runs;
   const chosen = file || wanted === 'none' ? []
     : wanted ? wanted.split(',').filter((id) => /^\d+$/.test(id))
     : newest ? [String(newest.id)] : [];
@@ -43,7 +37,7 @@ export function useDataChoice(): DataChoice {
 
 export function DataFields({ choice, label }: { choice: DataChoice; label: string }) {
   const { runs, chosen, file, setFile } = choice;
-  const known = runs.value ?? [];
+  const known = runs.value?.filter((run) => run.acceptedCount > 0n || chosen.includes(String(run.id))) ?? [];
   const toggle = (id: string) => {
     const next = chosen.includes(id) ? chosen.filter((one) => one !== id) : [...chosen, id];
     setQuery({ run: next.length ? next.join(',') : 'none' });
@@ -62,6 +56,7 @@ export function DataFields({ choice, label }: { choice: DataChoice; label: strin
             </label>
           ))}
           {runs.value && known.length === 0 && <p class="muted">No run has points yet. <a href="/trajectories">Start one</a>, or take a file.</p>}
+          {runs.value && !runs.isAll && <p><Button small busy={runs.asking} onPress={() => void runs.older()}>Load older runs</Button></p>}
         </fieldset>
         {runs.failure && <Failed asked="List the runs" failure={runs.failure} again={runs.again} />}
       </details>

@@ -46,6 +46,7 @@ function Pictures({ answer, model, output }: { answer: ListResidualsResponse; mo
           A90 by validation set: {sets.map((set) => `${set.name} ${significant(set.figures?.a90, 3)} ${summaryUnit(output)} (${set.figures?.rowCount} rows, mean ${significant(set.figures?.mean, 2)})`).join('; ')}
         </p>
       )}
+      {answer.runsWithoutZero.length > 0 && <Warned>The zero of {answer.runsWithoutZero.map((run) => `run ${run}`).join(', ')} is not known: the mean of its errors is taken out.</Warned>}
       {!answer.sameRows && <Warned>These are not the very rows the model was fitted from: rows were excluded or put back since, or it is another file.</Warned>}
       <div class="models-residuals">{specs.map((spec) => <Plot key={spec.title} spec={spec} height={200} />)}</div>
     </>

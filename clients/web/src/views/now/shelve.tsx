@@ -6,18 +6,20 @@ import { Button, CommandButton } from '@/ui/button';
 import { Field, numberTyped } from '@/ui/field';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
+import { useTyped } from '@/ui/use_typed';
 
 const mostHours = 24;
 
 function ShelveForm({ alarm, taken, close }: { alarm: Alarm; taken: (alarm: Alarm) => void; close: () => void }) {
-  const [hours, setHours] = useState('2');
-  const [reason, setReason] = useState('');
+  const [hours, setHours, hoursTaken] = useTyped(`shelve.hours.${alarm.id}`, '2');
+  const [reason, setReason, reasonTaken] = useTyped(`shelve.${alarm.id}`);
   const asked = numberTyped(hours);
   const good = asked !== undefined && asked > 0 && asked <= mostHours;
   const shelve = useCommand(async () => {
     const seconds = Math.round((asked ?? 0) * 3600);
     const answer = await api.watch().shelveAlarm({ alarmId: alarm.id, shelveDuration: { seconds: BigInt(seconds), nanos: 0 }, reason: reason.trim() });
     if (answer.alarm) taken(answer.alarm);
+    reasonTaken(), hoursTaken();
     close();
   });
   const off = !good ? `Between 0 and ${mostHours} hours` : reason.trim() ? undefined : 'Say why';

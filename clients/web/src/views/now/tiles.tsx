@@ -2,6 +2,7 @@
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import type { RunProgress } from '@/api/gen/driftwise/v1/run_pb';
 import { fixed, signed, significant } from '@/format/numbers';
+import { duration } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import { channel, layout, type Channel } from '@/live/channels';
 import { cell } from '@/live/state';
@@ -20,6 +21,10 @@ function SpreadTile({ progress, limitNm }: { progress: RunProgress; limitNm: num
     </Tile>
   );
 }
+
+// The time that a change is over: of a shorter one nothing is said.
+const leastS = 60;
+const spanText = (seconds: number) => duration(Math.round(seconds / 60) * 60);
 
 function ZeroTile({ drift }: { drift: ZeroDrift }) {
   const last = drift.nm.map((values) => values[values.length - 1] ?? NaN);
@@ -54,11 +59,11 @@ function SupportTile({ device, now }: { device: Device; now: Channel }) {
   );
 }
 
-export function Tiles({ progress, drift, limitNm, airChangeK }: {
+export function Tiles({ progress, drift, limitNm, airChange }: {
   progress: RunProgress | undefined;
   drift: ZeroDrift | undefined;
   limitNm: number | undefined;
-  airChangeK: number | undefined; // over the last hour
+  airChange: { change: number; seconds: number } | undefined; // within the last hour
 }) {
   const devices = cell.value?.devices ?? [];
   const names = layout.value.map((one) => one.name);
@@ -75,7 +80,7 @@ export function Tiles({ progress, drift, limitNm, airChangeK }: {
       {drift && drift.hours.length > 0 && drift.lengths.length > 0 && <ZeroTile drift={drift} />}
       {air && (
         <ChannelTile channel={air} label={spoken(splitChannel(air.name).symbol.replaceAll('_', '-'))}>
-          {airChangeK !== undefined && Number.isFinite(airChangeK) && <span class="muted">{signed(airChangeK, 3)} °C in 1 h</span>}
+          {airChange && airChange.seconds >= leastS && <span class="muted">{signed(airChange.change, 3)} °C in {spanText(airChange.seconds)}</span>}
         </ChannelTile>
       )}
       {supports.map((one) => <SupportTile key={one.device.id} {...one} />)}

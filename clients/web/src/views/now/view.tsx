@@ -5,7 +5,7 @@ import { api } from '@/api/client';
 import { query } from '@/app/router';
 import { layout } from '@/live/channels';
 import { connection } from '@/live/connection';
-import { useHistory } from '@/live/history';
+import { changeOf, useHistory } from '@/live/history';
 import { usePointColumns, useRunPoints } from '@/live/points';
 import { RunMarks } from '@/parts/run_marks';
 import { cell, progress as progressNow } from '@/live/state';
@@ -39,7 +39,6 @@ export default function Now() {
   const rooms = layout.value.map((one) => one.name).filter((name) => /^(air|t\d).*_degC$/.test(name));
   const history = useHistory(rooms, 3600, 600);
   const air = airOf(rooms);
-  const airTrack = air ? history.of(air).mean.filter(Number.isFinite) : [];
   if (connection.value.phase === 'connecting' && !cell.value) return <><ViewTitle hidden>Now</ViewTitle><Awaiting what="the state of the cell" /></>;
   return (
     <RunMarks run={run} points={points.value}>
@@ -52,7 +51,7 @@ export default function Now() {
         progress={progress}
         drift={run && drift}
         limitNm={limitNm}
-        airChangeK={airTrack.length > 1 ? airTrack[airTrack.length - 1] - airTrack[0] : undefined}
+        airChange={air ? changeOf(history.of(air)) : undefined}
       />
       {points.failure && <Failed asked="List the points" failure={points.failure} again={points.again} />}
       {progress && points.value

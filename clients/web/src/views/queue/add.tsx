@@ -10,20 +10,21 @@ import { Field, numberTyped } from '@/ui/field';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
+import { useTyped } from '@/ui/use_typed';
 import { queueApi } from './api';
 import { metadataTyped, startWords, type Terms } from './words';
 
 export function AddEntry({ onAdded, startsAtOnce }: { onAdded: () => void; startsAtOnce: (terms: Terms) => boolean }) {
   const kept = useAsked('kept trajectories', async (signal) => (await trajectoryApi().listTrajectories({}, { signal })).trajectories);
   const [which, setWhich] = useState('');
-  const [name, setName] = useState('');
-  const [priority, setPriority] = useState('0');
-  const [notBefore, setNotBefore] = useState('');
-  const [after, setAfter] = useState('');
-  const [condition, setCondition] = useState('');
-  const [every, setEvery] = useState('');
-  const [then, setThen] = useState('');
-  const [meta, setMeta] = useState('');
+  const [name, setName, nameTaken] = useTyped('queue.name');
+  const [priority, setPriority, priorityTaken] = useTyped('queue.priority', '0');
+  const [notBefore, setNotBefore, notBeforeTaken] = useTyped('queue.notBefore');
+  const [after, setAfter, afterTaken] = useTyped('queue.after');
+  const [condition, setCondition, conditionTaken] = useTyped('queue.condition');
+  const [every, setEvery, everyTaken] = useTyped('queue.every');
+  const [then, setThen, thenTaken] = useTyped('queue.then');
+  const [meta, setMeta, metaTaken] = useTyped('queue.meta');
   const setups = useSetups();
   const [setup, setSetup] = useState('');
   const [setsAside, setSetsAside] = useState(false);
@@ -53,6 +54,7 @@ export function AddEntry({ onAdded, startsAtOnce }: { onAdded: () => void; start
       ...(every ? { repeatDuration: { seconds: BigInt(Math.round(numberTyped(every)! * 3600)), nanos: 0 } } : {}),
     });
     setRequestId(crypto.randomUUID());
+    for (const taken of [nameTaken, notBeforeTaken, afterTaken, conditionTaken, everyTaken, thenTaken, metaTaken, priorityTaken]) taken();
     onAdded();
   });
   return (

@@ -43,6 +43,7 @@ export function DatasetTab({ run, points }: { run: Run; points: RunPoints }) {
             <dt>calibration</dt><dd>{count(of(PointSet.CALIBRATION))} rows</dd>
             <dt>validation</dt><dd>{count(of(PointSet.VALIDATION))} rows</dd>
             <dt>returns to zero</dt><dd>{count(points.points.filter((point) => point.zero).length)}</dd>
+            {points.passages.length > 0 && <><dt>passages</dt><dd>{count(points.passages.length)} rows beside the plan</dd></>}
             <dt>channels</dt><dd>{channels.length > 0 ? channels.join(', ') : '–'}</dd>
           </dl>
           <div class="actions">

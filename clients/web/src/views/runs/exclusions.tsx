@@ -4,6 +4,7 @@ import type { ExclusionState } from '@/api/gen/driftwise/v1/data_service_pb';
 import type { Run } from '@/api/gen/driftwise/v1/run_pb';
 import { count } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
+import { useEvents } from '@/live/events';
 import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Field } from '@/ui/field';
@@ -52,6 +53,7 @@ function Form({ run, onState }: { run: Run; onState: (state: ExclusionState | un
 
 export function Exclusions({ run }: { run: Run }) {
   const asked = useAsked(`exclusions ${run.id}`, async (signal) => (await dataApi().listExclusions({ runId: run.id }, { signal })).state);
+  useEvents('record', (event) => void (event.runId === run.id && event.what.startsWith('data.') && asked.again()));
   const state = asked.value;
   return (
     <Panel title={`Rows kept out of fits: ${state ? count(state.excludedRowCount) : '…'}`}>

@@ -1,27 +1,22 @@
 // All runs, newest first, with search by number, name, trajectory, operator, metadata, and by state.
-import { useMemo, useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { useEffect, useMemo, useState } from 'preact/hooks';
 import { Run_State, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { go, query, setQuery } from '@/app/router';
 import { count, fixed } from '@/format/numbers';
 import { dateClock, duration, ms, secondsOf } from '@/format/time';
-import { useEvents } from '@/live/events';
+import { useRuns } from '@/parts/runs';
 import { doneShare, isImported, isOver, stateWords } from '@/parts/run_words';
 import { Button } from '@/ui/button';
 import { Field } from '@/ui/field';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
-import { useAsked } from '@/ui/use_asked';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { JoinPanel } from './join';
 
-const pageSize = 200;
 // A run begins when it is created, or is refused: campaigns that wait are the view Queue's.
 const states = [Run_State.RUNNING, Run_State.PAUSED, Run_State.WAITING, Run_State.DONE, Run_State.ABORTED, Run_State.FAILED];
-
-const newestFirst = (runs: readonly Run[]) => [...new Map(runs.map((run) => [run.id, run])).values()].sort((a, b) => (a.id < b.id ? 1 : -1));
 
 const metadataOf = (run: Run): string => run.metadata.map((item) => `${item.key}=${item.value}`).join(', ');
 
@@ -68,27 +63,20 @@ function RunTable({ runs, chosen }: { runs: readonly Run[]; chosen: Chosen | und
   );
 }
 
+const enough = 20; // matches; older runs are looked through until there are so many
+
 export function RunList() {
   const [joined, setJoined] = useState<readonly bigint[]>(); // undefined: nothing is being joined
-  const [older, setOlder] = useState<'idle' | 'asking' | 'all'>('idle');
-  const asked = useAsked('runs', async (signal) => (await api.run().listRuns({ limit: pageSize }, { signal })).runs);
-  useEvents('run', (run) => asked.set((old) => newestFirst([...old, run])));
-  useEvents('progress', ({ run }) => run && asked.set((old) => (old.some((one) => one.id === run.id) ? newestFirst([...old, run]) : old)));
+  const asked = useRuns();
   const text = query('q') ?? '';
   const state = query('state') ?? '';
-  const all = asked.value;
+  const { value: all, isAll } = asked;
   const shown = useMemo(() => all?.filter((run) => matches(run, text, state)), [all, text, state]);
-  const loadOlder = async () => {
-    setOlder('asking');
-    try {
-      const { runs } = await api.run().listRuns({ limit: pageSize, beforeRunId: all![all!.length - 1].id });
-      asked.set((old) => newestFirst([...old, ...runs]));
-      setOlder(runs.length < pageSize ? 'all' : 'idle');
-    } catch {
-      setOlder('idle');
-      asked.again();
-    }
-  };
+  const filters = text !== '' || state !== '';
+  const looksOn = filters && !isAll && asked.failure === undefined && shown !== undefined && shown.length < enough;
+  useEffect(() => {
+    if (looksOn && !asked.asking) void asked.older();
+  }, [looksOn, asked.asking, all]);
   return (
     <>
       <ViewTitle actions={<><Button onPress={() => setJoined([])}>Join runs…</Button> <Button kind="main" onPress={() => go('/trajectories')}>Start a run…</Button></>}>Runs</ViewTitle>
@@ -107,9 +95,9 @@ export function RunList() {
         {asked.failure && <Failed asked="List the runs" failure={asked.failure} again={asked.again} />}
         {!shown && !asked.failure && <Awaiting what="the runs" />}
         {all?.length === 0 && <Empty next={<a href="/trajectories">Upload or generate a trajectory</a>}>No run yet.</Empty>}
-        {all && all.length > 0 && shown?.length === 0 && <Empty next={<a href="/runs">Show all {count(all.length)}</a>}>No run matches.</Empty>}
+        {all && all.length > 0 && shown?.length === 0 && <Empty next={<a href="/runs">Show all</a>}>{isAll ? 'No run matches.' : `No run matches among the newest ${count(all.length)}; looking through older ones …`}</Empty>}
         {shown && shown.length > 0 && <RunTable runs={shown} chosen={joined && { ids: joined, set: setJoined }} />}
-        {all && all.length >= pageSize && older !== 'all' && <p class="more"><Button small busy={older === 'asking'} onPress={() => void loadOlder()}>Load older runs</Button></p>}
+        {all && !isAll && <p class="more"><span class="muted note">{count(all.length)} newest runs{filters && ' searched'}</span> <Button small busy={asked.asking} onPress={() => void asked.older()}>Load older runs</Button></p>}
       </Panel>
     </>
   );

@@ -2,6 +2,7 @@
 import { dataApi } from '@/api/data';
 import type { Run } from '@/api/gen/driftwise/v1/run_pb';
 import { dateClock, ms } from '@/format/time';
+import { useEvents } from '@/live/events';
 import { CommandButton } from '@/ui/button';
 import { Field } from '@/ui/field';
 import { Panel } from '@/ui/panel';
@@ -12,6 +13,7 @@ import { useTyped } from '@/ui/use_typed';
 
 export function Notes({ run }: { run: Run }) {
   const asked = useAsked(`notes ${run.id}`, async (signal) => (await dataApi().listNotes({ on: { runId: run.id } }, { signal })).notes);
+  useEvents('record', (event) => void (event.runId === run.id && event.what === 'note.added' && asked.again()));
   const [text, setText, taken] = useTyped(`note.${run.id}`);
   const add = useCommand(async () => {
     const { note } = await dataApi().createNote({ on: { runId: run.id }, text: text.trim() });

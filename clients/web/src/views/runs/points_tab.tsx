@@ -26,8 +26,8 @@ export interface RunRow {
   attempts: Attempt[];
 }
 
-// One entry per row of the plan that anything happened to, in order of the plan.
-export function rowsOf({ points, attempts }: RunPoints): RunRow[] {
+// One entry per row of the plan that anything happened to, in order of the plan; then the passages, whose numbers count on.
+export function rowsOf({ points, passages, attempts }: RunPoints): RunRow[] {
   const rows = new Map<number, RunRow>();
   const at = (row: number): RunRow => {
     const found = rows.get(row) ?? { row, point: undefined, attempts: [] };
@@ -35,7 +35,7 @@ export function rowsOf({ points, attempts }: RunPoints): RunRow[] {
     return found;
   };
   for (const attempt of attempts) at(Number(attempt.row)).attempts.push(attempt);
-  for (const point of points) at(Number(point.row)).point = point;
+  for (const point of [...points, ...passages]) at(Number(point.row)).point = point;
   return [...rows.values()].sort((a, b) => a.row - b.row);
 }
 
@@ -49,12 +49,13 @@ const verdictWords: Record<Attempt_Verdict, string> = {
   [Attempt_Verdict.INTERRUPTED]: 'interrupted',
 };
 
-const setOf = (point: Point): string => (point.zero ? '+ zero' : point.set === PointSet.VALIDATION ? '◇ validation' : '● calibration');
+const setOf = (point: Point): string => (point.passage ? '↷ passage' : point.zero ? '+ zero' : point.set === PointSet.VALIDATION ? '◇ validation' : '● calibration');
 
 const spreadOf = ({ attempts }: RunRow): number => attempts.filter((one) => one.spreadNm !== undefined).pop()?.spreadNm ?? NaN;
 
 function Outcome({ of }: { of: RunRow }) {
   const last = of.attempts[of.attempts.length - 1]?.verdict;
+  if (of.point?.passage) return <Verdict kind="good">beside the plan</Verdict>;
   if (of.point) return <Verdict kind={of.attempts.length > 1 ? 'extended' : 'good'}>{of.attempts.length > 1 ? `accepted, try ${of.attempts.length}` : 'accepted'}</Verdict>;
   return <Verdict kind={last === Attempt_Verdict.GIVEN_UP ? 'bad' : 'warn'}>{verdictWords[last ?? Attempt_Verdict.UNSPECIFIED]}</Verdict>;
 }
@@ -66,6 +67,7 @@ const shows: readonly [string, string, (row: RunRow) => boolean][] = [
   ['again', 'measured again', (row) => row.attempts.length > 1],
   ['bad', 'not accepted', (row) => row.point === undefined],
   ['zero', 'returns to zero', (row) => row.point?.zero === true],
+  ['passages', 'passages', (row) => row.point?.passage === true],
 ];
 
 export function PointsTab({ run, rulesJson, points, chosen, onPick }: {

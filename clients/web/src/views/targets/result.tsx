@@ -1,6 +1,8 @@
 import { useRef } from 'preact/hooks';
 import { Target_Flag, type MotorCoordinate, type Target } from '@/api/gen/driftwise/v1/target_service_pb';
+import { Code, ConnectError } from '@connectrpc/connect';
 import { api } from '@/api/client';
+import { targetApi } from '@/api/target';
 import { withLease } from '@/app/lease';
 import { fixed, grouped, signed, significant } from '@/format/numbers';
 import { clock, ms } from '@/format/time';
@@ -85,12 +87,24 @@ function Flags({ target }: { target: Target }) {
 
 const uncertaintyText = (one: MotorCoordinate) => (one.joint ? `${significant(one.joint.u90Arcsec, 2)} arcsec` : `${significant(one.u90Nm, 2)} nm`);
 
+// Another target than was shown: a coordinate differs by more than its U90, or doubts have come.
+export function movedBeyond(shown: Target, now: Target): boolean {
+  return now.flags.some((flag) => !shown.flags.includes(flag))
+    || now.coordinates.some((one, i) => !(Math.abs(one.positionMm - (shown.coordinates[i]?.positionMm ?? NaN)) * 1e6 <= one.u90Nm));
+}
+
 function Actions({ target, pose }: { target: Target; pose: Pose }) {
   const text = target.coordinates.map((one) => `${one.channel} = ${position(one).toFixed(8)}`).join('\n');
   const copy = useCommand(() => navigator.clipboard.writeText(text));
-  const move = useCommand((answer: HoldAnswer) =>
-    withLease((leaseToken) =>
-      api.cell().move({ leaseToken, answer, coordinates: target.coordinates.map((one) => ({ channel: one.channel, value: one.positionMm })) })));
+  // shown: the target that the person agreed to, which may have run out while the question stood.
+  const move = useCommand(async (shown: Target, answer: HoldAnswer) => {
+    const isOver = (cellTimeMs.peek() ?? Infinity) > (ms(shown.validUntilTime) ?? 0);
+    const now = isOver ? (await targetApi().computeTarget({ pose: [...pose] })).target! : shown;
+    if (movedBeyond(shown, now))
+      throw new ConnectError('Nothing was moved: the target that was shown is no longer good, and the one of now differs by more than its uncertainty. Look at it and ask again', Code.FailedPrecondition);
+    await withLease((leaseToken) =>
+      api.cell().move({ leaseToken, answer, coordinates: now.coordinates.map((one) => ({ channel: one.channel, value: one.positionMm })) }));
+  });
   const ask = async () => {
     const yes = await confirm({
       title: 'Move the robot there?',
@@ -107,7 +121,7 @@ function Actions({ target, pose }: { target: Target; pose: Pose }) {
     if (!yes) return;
     const run = progress.peek()?.run;
     const answer = run?.hold ? await askAboutHold(run, cellTimeMs.peek(), 'Move the axes') : { holdId: 0n, overrideReason: '' };
-    if (answer) await move.send(answer);
+    if (answer) await move.send(target, answer);
   };
   return (
     <>

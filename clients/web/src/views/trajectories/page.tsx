@@ -11,6 +11,7 @@ import { Panel } from '@/ui/panel';
 import { download } from '@/ui/download';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
+import { useTyped } from '@/ui/use_typed';
 import { ViewTitle } from '@/ui/view_title';
 import { TrajectoryCheck, useTrajectoryCheck } from './check';
 import { StartRun } from '@/trajectory/start_run';
@@ -34,7 +35,7 @@ export function TrajectoryPage({ id }: { id: bigint }) {
 
 function Kept({ one }: { one: Trajectory }) {
   const check = useTrajectoryCheck(one.text);
-  const [runName, setRunName] = useState('');
+  const [runName, setRunName, nameTaken] = useTyped(`run.name.${one.id}`);
   const [compensate, setCompensate] = useState(false);
   const coordinates = check.value?.coordinates ?? [];
   const poses = coordinates.some((channel) => !/^(\w+\.)?q\d/.test(channel));
@@ -56,6 +57,7 @@ function Kept({ one }: { one: Trajectory }) {
               text={one.text}
               name={one.name}
               runName={runName}
+              onStarted={nameTaken}
               compensate={compensate}
               off={check.failure ? 'It cannot be run: see below' : compensate && noModel ? 'No model serves: promote one first' : undefined}
             />
