@@ -11,8 +11,9 @@ namespace driftwise {
 
 namespace fs = std::filesystem;
 
-KeptStopFile::KeptStopFile(const std::string& cell_file)
-    : path_(fs::absolute(cell_file).parent_path() / formats::kKeptStopFile) {}
+fs::path kept_stop_of_cell(const std::string& cell_file) {
+  return fs::absolute(cell_file).parent_path() / formats::kKeptStopFile;
+}
 
 std::optional<formats::KeptStop> KeptStopFile::read() {
   constexpr std::size_t kMost = 4096;
@@ -46,11 +47,15 @@ void KeptStopFile::keep(const formats::KeptStop& stop) {
   std::ofstream file(path_, std::ios::binary | std::ios::trunc);
   file << formats::write_kept_stop(stop) << std::flush;
   if (file)
-    spdlog::warn("the record does not say that {} paused the run: {} says so to the next start",
-                 stop.who, path_.string());
+    spdlog::warn(
+        "the record does not say that {} stopped the cell: {} says so to the next start, which "
+        "moves "
+        "nothing until a person has said so",
+        stop.who, path_.string());
   else
     spdlog::error(
-        "the record does not say that {} paused the run, and {} cannot be written: the next start "
+        "the record does not say that {} stopped the cell, and {} cannot be written: the next "
+        "start "
         "lets the run go on. Before it, once the disk is well, enter {} and say 'driftwise stop'",
         stop.who, path_.string(), path_.parent_path().string());
 }

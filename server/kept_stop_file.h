@@ -1,6 +1,6 @@
 #pragma once
-// Stops that clients left beside the cell file while no daemon answered (docs/cli.md, "Stop without
-// a daemon").
+// Stops that clients left beside the cell file or the record while no daemon answered (docs/cli.md,
+// "Stop without a daemon").
 
 #include <filesystem>
 #include <functional>
@@ -8,15 +8,19 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "server/formats/text/kept_stop.h"
 
 namespace driftwise {
 
+// Path of the stop of a cell: beside its cell file.
+std::filesystem::path kept_stop_of_cell(const std::string& cell_file);
+
 // Any thread.
 class KeptStopFile {
  public:
-  explicit KeptStopFile(const std::string& cell_file);
+  explicit KeptStopFile(std::filesystem::path path) : path_(std::move(path)) {}
 
   // None: there is no such file, or the one that remove() could not remove. A file that cannot be
   // read is a stop by "somebody".

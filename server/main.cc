@@ -1,9 +1,9 @@
 // driftwised: puts the daemon together. The only place that names a concrete driver or store.
 //
 // Threads: main waits for signals; one executor thread owns the cell, its devices and its doors but
-// gRPC's; gRPC has its own. Order of the end: gRPC first (its calls need the executor), then the
-// doors, the cell, the executor. Every start-up failure is a sentence on standard error and an exit
-// code: 3 bad input, 5 refused.
+// gRPC's; gRPC has its own. Order of the end: the axes come to rest while every door still takes a
+// stop, then gRPC (its calls need the executor), the other doors, the cell, the executor. Every
+// start-up failure is a sentence on standard error and an exit code: 3 bad input, 5 refused.
 
 #include <malloc.h>
 #include <spdlog/sinks/ringbuffer_sink.h>
@@ -291,8 +291,10 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
     if (web_address.empty()) web_address = daemon.https->origin() + "/";
     web_address_outside = page_address_outside(description.access, *daemon.https);
   }
-  daemon.kept_stop = std::make_unique<KeptStopFile>(arguments.cell_file);
-  const auto kept_stop = daemon.kept_stop->read();
+  daemon.kept_stop = std::make_unique<KeptStopFile>(kept_stop_of_cell(arguments.cell_file));
+  // Looked at here alone: a record that is restored beside a daemon is not the one it works on.
+  KeptStopFile of_record(formats::kept_stop_of_record(description.database));
+  const auto stop_of_cell = daemon.kept_stop->read(), stop_of_record = of_record.read();
   const OpenStore open_store = [](const std::string& path, bool read_only) {
     return storage::open_sqlite_store(path, read_only);
   };
@@ -309,13 +311,14 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                          .web_address = web_address,
                                          .web_address_outside = web_address_outside,
                                          .end_daemon = [] { ::kill(::getpid(), SIGTERM); },
-                                         .kept_stop = kept_stop,
+                                         .kept_stop = stop_of_cell ? stop_of_cell : stop_of_record,
                                          .log_tail = log_tail,
                                          .schema_version = storage::schema_version(),
                                          .report_template = report_template(web_root),
                                          .measure_pauses = true}));
   daemon.cell = std::move(cell);
-  if (kept_stop) daemon.kept_stop->remove();
+  if (stop_of_cell) daemon.kept_stop->remove();
+  if (stop_of_record) of_record.remove();
   // The database is ours by now, and so are the files beside it.
   DRIFTWISE_TRY(auto access,
                 access::Access::open(description.access,
@@ -362,9 +365,9 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
     const KeptStopWatch kept_stops(*daemon.kept_stop, [&](const formats::KeptStop& kept) {
       spdlog::warn("stopped by {}, as {} said since {}", kept.who, formats::kKeptStopFile,
                    kept.asked);
-      asio::co_spawn(context,
-                     daemon.cell->services().manual.stop_all({kept.who, formats::kKeptStopFile}),
-                     asio::use_future)
+      asio::co_spawn(
+          context, daemon.cell->services().manual.stop_all({kept.who, formats::kKeptStopFile, {}}),
+          asio::use_future)
           .wait();
     });
     const HeapUpkeep heap([&host = daemon.cell->services().host] { return host.now(); });
@@ -373,18 +376,27 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
     int signal = 0;
     sigwait(&signals, &signal);
     spdlog::info("{}: shutting down", strsignal(signal));
+    pthread_sigmask(SIG_UNBLOCK, &signals,
+                    nullptr);  // a second signal ends it at once: the record survives that
+    // Nobody is left without a stop while something moves.
+    asio::co_spawn(context, daemon.cell->come_to_rest(), asio::use_future)
+        .wait_for(std::chrono::seconds(30));
   }
-  pthread_sigmask(SIG_UNBLOCK, &signals,
-                  nullptr);  // a second signal ends it at once: the record survives that
   daemon.http.reset();
   daemon.https.reset();
-  daemon.rpc->shut_down(std::chrono::seconds(2));
+  const bool calls_ended = daemon.rpc->shut_down(std::chrono::seconds(2));
+  if (!calls_ended) spdlog::warn("a call has not ended: its answer is not waited for");
   executor.run([&] {
     for (auto& [key, line] : daemon.lines) line->stop();
   });
   daemon.access->authoriser().tell(nullptr);
   asio::co_spawn(context, daemon.cell->shut_down(), asio::use_future).wait();
   if (const auto halt = daemon.cell->halt_not_on_record()) daemon.kept_stop->keep(*halt);
+  if (daemon.cell->all_ended() && daemon.rpc->shut_down(std::chrono::seconds(1))) return;
+  // What the computation would find nobody is left to store; its thread refers to what would go.
+  spdlog::warn("a computation has not ended; the record is closed and the daemon ends without it");
+  spdlog::shutdown();
+  std::_Exit(0);
 }
 
 void set_up_logging(const Arguments& arguments) {

@@ -8,10 +8,11 @@ namespace {
 
 // Those of the table with a recovery of their own; tests/unit/house compares the two.
 constexpr std::array kWithRecovery = {
-    reasons::kBeamLost,          reasons::kDriftTooFast,  reasons::kKeepOut,
-    reasons::kMissingCoordinate, reasons::kNoController,  reasons::kNoLoad,
-    reasons::kNoModel,           reasons::kNoZero,        reasons::kRunAborted,
-    reasons::kShuttingDown,      reasons::kStabiliserOff, reasons::kZeroNotReached};
+    reasons::kBeamLost,          reasons::kDriftTooFast, reasons::kKeepOut,
+    reasons::kMissingCoordinate, reasons::kNoController, reasons::kNoLoad,
+    reasons::kNoModel,           reasons::kNoZero,       reasons::kRunAborted,
+    reasons::kServoOff,          reasons::kShuttingDown, reasons::kStabiliserOff,
+    reasons::kZeroNotReached};
 
 }  // namespace
 

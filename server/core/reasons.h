@@ -15,6 +15,7 @@ enum class Recovery : std::uint8_t {
   abort,      // a person ended the run
   new_datum,  // the zero is lost: zero again
   fail,       // the same request would meet it again: the run fails
+  hold,       // a person looks at the machine first, and resumes the run
 };
 
 struct Reason {
@@ -38,6 +39,7 @@ inline constexpr Reason kAlreadyOver{"ALREADY_OVER", Recovery::by_code};
 inline constexpr Reason kAlreadyStored{"ALREADY_STORED", Recovery::by_code};
 inline constexpr Reason kAmbiguousColumn{"AMBIGUOUS_COLUMN", Recovery::by_code};
 inline constexpr Reason kAmbiguousCoordinate{"AMBIGUOUS_COORDINATE", Recovery::by_code};
+inline constexpr Reason kAskedLongAgo{"ASKED_LONG_AGO", Recovery::by_code};
 inline constexpr Reason kAxisCount{"AXIS_COUNT", Recovery::by_code};
 inline constexpr Reason kAxisOfNoRobot{"AXIS_OF_NO_ROBOT", Recovery::by_code};
 inline constexpr Reason kBackupUnderWay{"BACKUP_UNDER_WAY", Recovery::by_code};
@@ -328,6 +330,7 @@ inline constexpr Reason kOldClockFile{"OLD_CLOCK_FILE", Recovery::by_code};
 inline constexpr Reason kOldConfiguration{"OLD_CONFIGURATION", Recovery::by_code};
 inline constexpr Reason kOtherConfiguration{"OTHER_CONFIGURATION", Recovery::by_code};
 inline constexpr Reason kOtherOutputs{"OTHER_OUTPUTS", Recovery::by_code};
+inline constexpr Reason kOtherRecord{"OTHER_RECORD", Recovery::by_code};
 inline constexpr Reason kOtherRobot{"OTHER_ROBOT", Recovery::by_code};
 inline constexpr Reason kOtherTool{"OTHER_TOOL", Recovery::by_code};
 inline constexpr Reason kOutputsDisagree{"OUTPUTS_DISAGREE", Recovery::by_code};
@@ -359,6 +362,7 @@ inline constexpr Reason kRecordChanged{"RECORD_CHANGED", Recovery::by_code};
 inline constexpr Reason kRefused{"REFUSED", Recovery::by_code};
 inline constexpr Reason kReplyTooLong{"REPLY_TOO_LONG", Recovery::by_code};
 inline constexpr Reason kRequestIdReused{"REQUEST_ID_REUSED", Recovery::by_code};
+inline constexpr Reason kRestoreUnfinished{"RESTORE_UNFINISHED", Recovery::by_code};
 inline constexpr Reason kRoleNotUsed{"ROLE_NOT_USED", Recovery::by_code};
 inline constexpr Reason kRowsDiffer{"ROWS_DIFFER", Recovery::by_code};
 inline constexpr Reason kRowsNeverChange{"ROWS_NEVER_CHANGE", Recovery::by_code};
@@ -372,6 +376,7 @@ inline constexpr Reason kRunUnderWay{"RUN_UNDER_WAY", Recovery::by_code};
 inline constexpr Reason kScanList{"SCAN_LIST", Recovery::by_code};
 inline constexpr Reason kSchemaNewer{"SCHEMA_NEWER", Recovery::by_code};
 inline constexpr Reason kSchemaOlder{"SCHEMA_OLDER", Recovery::by_code};
+inline constexpr Reason kServoOff{"SERVO_OFF", Recovery::hold};
 inline constexpr Reason kSetsOverlap{"SETS_OVERLAP", Recovery::by_code};
 inline constexpr Reason kSetupsSwapped{"SETUPS_SWAPPED", Recovery::by_code};
 inline constexpr Reason kSetPoint{"SET_POINT", Recovery::by_code};

@@ -67,7 +67,10 @@ class Check {
                                          (other.empty() ? std::string("a robot without an id")
                                                         : "robot " + shown(other)) +
                                          ", the plan uses it as " + use + " of robot " +
-                                         shown(robot) + ": name a model of that robot");
+                                         shown(robot) + ": name a model of that robot" +
+                                         (other.empty() ? ", or in a cell with one robot leave id "
+                                                          "out of [[robot]]"
+                                                        : ""));
   }
 
   void look_at_robots() {

@@ -51,14 +51,18 @@ std::set<std::string> robots_of(const calibration::Model& model) {
 Result<calibration::Model> part_of_robot(calibration::Model model, const std::string& robot) {
   for (const auto& other : robots_of(model)) {
     if (other == robot) continue;
+    const auto remedy = [](const std::string& found) {
+      return found.empty() ? "in a cell with one robot leave id out of [[robot]]; with several, "
+                             "name a model whose channels carry the robot's id, as in ma.q1_mm"
+                           : "name a model of that robot (its channels carry the robot's id, as in "
+                             "ma.q1_mm)";
+    };
     const auto called = [](const std::string& id) {
       return id.empty() ? std::string("a robot without an id") : "robot " + shown(id);
     };
     return fail(ErrorCode::failed_precondition, reasons::kOtherRobot,
                 "the model has channels of " + called(other) + ", the plan uses it for " +
-                    called(robot) +
-                    ": name a model of that robot (its channels carry the robot's id, as in "
-                    "ma.q1_mm)");
+                    called(robot) + ": " + remedy(other));
   }
   for (auto& output : model.outputs) {
     output.channel.symbol = stripped(output.channel.symbol, robot);

@@ -92,8 +92,13 @@ class CellInMemory {
   auto runs(int limit, std::int64_t before_id) const {
     return read([=](Store& store) { return store.runs().runs(limit, before_id); });
   }
-  auto points(RunId id, std::int64_t after_id, int limit) const {
-    return read([=](Store& store) { return store.points().points(id, after_id, limit); });
+  // Those of the plan's rows. at_every_place: and the passages beside it, in the order of time.
+  auto points(RunId id, std::int64_t after_id, int limit, bool at_every_place = false) const {
+    return read([=](Store& store) {
+      auto found = store.points().points(id, after_id, limit);
+      if (found && !at_every_place) std::erase_if(*found, [](const auto& p) { return p.passage; });
+      return found;
+    });
   }
   auto attempts(RunId id) const {
     return read([=](Store& store) { return store.points().attempts(id); });
@@ -136,7 +141,7 @@ class CellInMemory {
     });
   }
 
-  const application::Caller ada{"ada", "ipv4:127.0.0.1:5020"};
+  const application::Caller ada{"ada", "ipv4:127.0.0.1:5020", {}};
   // What somebody answers who has read the question about the run under way.
   application::HoldAnswer answer(std::string override_reason = {});
   // Resumes it as this person, who has read the question.

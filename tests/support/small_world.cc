@@ -75,13 +75,20 @@ class Axis final : public Simulated<MotionController> {
                         : 0;
     const double q = position_mm() + world_.reference_mm +
                      kMmPerNm * (world_.holding_nm * world_.gauss() + wander_nm);
-    co_return MotionState{now, {q}, moving, world_.referenced, !moving};
+    co_return MotionState{now,
+                          {q},
+                          moving,
+                          world_.referenced,
+                          !moving && world_.servo_on,
+                          world_.servo_on,
+                          world_.halted_at_limit && !moving ? "error 216 (limit switch)" : ""};
   }
   Awaitable<Result<void>> home() override {
     ++world_.axis_calls;
     if (auto ok = co_await answer(3.0); !ok) co_return ok;
     ++world_.homes;
-    world_.referenced = true;
+    world_.referenced = world_.servo_on = true;
+    world_.halted_at_limit = false;
     world_.reference_mm = kMmPerNm * world_.homing_nm * world_.gauss();
     world_.from_mm = world_.to_mm = -world_.reference_mm;
     world_.move_end_ns = 0;
@@ -97,10 +104,15 @@ class Axis final : public Simulated<MotionController> {
     }
     if (!world_.referenced)
       co_return fail(ErrorCode::failed_precondition, "REFUSED", "axis: error 5, not referenced");
+    if (!world_.servo_on)
+      co_return fail(ErrorCode::failed_precondition, "SERVO_OFF",
+                     "axis: error 5, the servo is off");
     ++world_.moves;
+    world_.halted_at_limit = std::exchange(world_.limit_switch, false);
     world_.furthest_mm = std::max(world_.furthest_mm, std::abs(to_mm));
     world_.from_mm = position_mm();
     world_.to_mm = to_mm - world_.reference_mm;
+    if (world_.halted_at_limit) world_.to_mm = (world_.from_mm + world_.to_mm) / 2;
     if (std::abs(world_.to_mm - world_.from_mm) > 1e-4)
       world_.came_down = world_.to_mm < world_.from_mm;
     const double seconds = 0.3 + std::abs(world_.to_mm - world_.from_mm) / 4.0;

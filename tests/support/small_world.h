@@ -19,9 +19,12 @@ struct SmallWorld {
   double from_mm = 0.4, to_mm = 0.4;
   std::int64_t move_begin_ns = 0, move_end_ns = 0;
   bool referenced = false, halted = false;
-  double reference_mm = 0;  // error of the last reference run
-  double holding_nm = 8;    // sd of the readback
-  double homing_nm = 15;    // sd of the reference
+  bool servo_on = true;          // false: switched off at the controller; homing switches it on
+  bool limit_switch = false;     // the next move is ended by the controller half-way
+  bool halted_at_limit = false;  // the last one was
+  double reference_mm = 0;       // error of the last reference run
+  double holding_nm = 8;         // sd of the readback
+  double homing_nm = 15;         // sd of the reference
   // The interferometer.
   double zero_mm = 0.123;
   double noise_nm = 1.5;

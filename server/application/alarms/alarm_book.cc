@@ -87,6 +87,12 @@ Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
       standing_[key] = {stored->id, std::max(0, one.looks_without - 1),  // look() counts this one
                         stored->message, stored->consequences, clock_.now().utc};
   }
+  while (!unstored_notes_.empty()) {
+    const auto oldest = unstored_notes_.front();
+    auto storing = store(oldest);
+    if (const auto stored = co_await std::move(storing); !stored) co_return;
+    unstored_notes_.pop_front();
+  }
 }
 
 Awaitable<void> AlarmBook::note(AlarmCondition condition) {
@@ -94,8 +100,12 @@ Awaitable<void> AlarmBook::note(AlarmCondition condition) {
   alarm.cleared = alarm.since;
   auto storing = store(alarm);
   const auto stored = co_await std::move(storing);
-  if (!stored)
-    unstored_.emplace(Key{condition.kind, condition.subject}, Unstored{std::move(alarm)});
+  if (stored) co_return;
+  if (unstored_notes_.size() < kMostNotes)
+    unstored_notes_.push_back(std::move(alarm));
+  else
+    spdlog::error("alarm {} is not on record: {}: {}", alarm.kind, alarm.message,
+                  stored.error().message);
 }
 
 AlarmRecord AlarmBook::begun(const AlarmCondition& condition) const {
@@ -119,7 +129,8 @@ Awaitable<Result<AlarmRecord>> AlarmBook::store(AlarmRecord alarm) {
 std::vector<AlarmRecord> AlarmBook::unstored() const {
   std::vector<AlarmRecord> out;
   for (const auto& [key, one] : unstored_) out.push_back(one.alarm);
-  std::ranges::sort(out, {}, [](const AlarmRecord& alarm) { return alarm.since.utc_ns; });
+  out.insert(out.end(), unstored_notes_.begin(), unstored_notes_.end());
+  std::ranges::stable_sort(out, {}, [](const AlarmRecord& alarm) { return alarm.since.utc_ns; });
   return out;
 }
 

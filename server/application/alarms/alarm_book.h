@@ -3,6 +3,7 @@
 // what was acknowledged before a restart stays so, and what still holds goes on instead of
 // beginning anew. Executor's thread.
 
+#include <deque>
 #include <map>
 #include <set>
 #include <string>
@@ -24,6 +25,8 @@ class AlarmBook {
   // A sentence whose numbers changed is told again no more often than this; new consequences at
   // once.
   static constexpr std::chrono::seconds kBetweenTellings{10};
+  // Of those that are over at once, while the store takes nothing; the newest beyond it are logged.
+  static constexpr std::size_t kMostNotes = 10'000;
 
   AlarmBook(Clock& clock, StoreWriter& writer) : clock_(clock), writer_(writer) {}
 
@@ -34,7 +37,8 @@ class AlarmBook {
   // full disk itself is over by the time that it can be written. One that returns meanwhile goes
   // on.
   Awaitable<void> look(std::vector<AlarmCondition> conditions);
-  // Something that happened and is over at once: stands until it is acknowledged.
+  // Something that happened and is over at once: stands until it is acknowledged. Each is an alarm
+  // of its own, also where the store refuses several of one kind and subject.
   Awaitable<void> note(AlarmCondition condition);
   Awaitable<Result<AlarmRecord>> acknowledge(AlarmId id, std::string who);
   Awaitable<Result<AlarmRecord>> shelve(AlarmId id, double for_s, std::string who,
@@ -69,6 +73,7 @@ class AlarmBook {
   StoreWriter& writer_;
   std::map<Key, Standing> standing_;
   std::map<Key, Unstored> unstored_;
+  std::deque<AlarmRecord> unstored_notes_;  // over already, in their order
   WatchList<AlarmRecord> watchers_;
   CellTime next_shelf_look_;
 };

@@ -42,6 +42,7 @@ AlarmsService::AlarmsService(asio::any_io_executor executor, Sources sources, St
       access_(sources.access),
       notify_(sources.notify),
       holds_(sources.holds),
+      queue_(sources.queue),
       reader_(reader),
       book_(book),
       tasks_(tasks),
@@ -203,6 +204,7 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   for (auto& condition : notify_.conditions()) out.push_back(std::move(condition));
   for (auto& condition : channel_alarms_.conditions(clock_.now().utc))
     out.push_back(std::move(condition));
+  for (auto& condition : queue_.conditions()) out.push_back(std::move(condition));
   for (auto& condition : access_.conditions()) out.push_back(std::move(condition));
   // Cell time, and at least two seconds of the wall's. Before, it explains why a run waits.
   const double unwritten_s = std::max(60.0, 2 * clock_.speed());
@@ -219,6 +221,12 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
     out.push_back({AlarmLevel::failed, "record.dropped", "database",
                    "slow readings are dropped because nothing can be written: make room on the "
                    "disk; the event recorder.dropped will say how many"});
+  if (events_.lost_acts() > 0)
+    out.push_back(
+        {AlarmLevel::failed, "record.dropped", "audit",
+         fmt::format("{} acts of people are done and are not in the audit: {}; the log of "
+                     "the daemon has each of them (journalctl -u driftwised)",
+                     events_.lost_acts(), events_.lost_because())});
   return out;
 }
 

@@ -21,6 +21,7 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/provenance/configuration_book.h"
+#include "server/application/queue/queue_desk.h"
 #include "server/application/runs/right_to_move.h"
 #include "server/application/runs/run_engine.h"
 #include "server/application/serving/serving.h"
@@ -44,6 +45,7 @@ class AlarmsService final : public Alarms {
     const AccessDesk& access;
     const NotifyDesk& notify;
     const HoldDesk& holds;
+    const QueueDesk& queue;
   };
   AlarmsService(asio::any_io_executor executor, Sources sources, StoreReader& reader,
                 AlarmBook& book, TaskGroup& tasks);
@@ -88,6 +90,7 @@ class AlarmsService final : public Alarms {
   const AccessDesk& access_;
   const NotifyDesk& notify_;
   const HoldDesk& holds_;
+  const QueueDesk& queue_;
   StoreReader& reader_;
   AlarmBook& book_;
   TaskGroup& tasks_;

@@ -76,12 +76,19 @@ Awaitable<void> Cell::devices_looked_at() { return parts_->keeper.looked(); }
 
 Awaitable<void> Cell::served_again() { return parts_->served_again(); }
 
+Awaitable<void> Cell::come_to_rest() { return parts_->come_to_rest(); }
+
+bool Cell::all_ended() const { return parts_->tasks.count() == 0; }
+
 Awaitable<void> Cell::shut_down() { return parts_->shut_down(); }
 
 std::optional<formats::KeptStop> Cell::halt_not_on_record() const {
+  if (const auto stop = parts_->stops.unstored())
+    return formats::KeptStop{stop->who, to_iso8601(parts_->clock->utc(stop->asked.utc))};
   const auto& progress = parts_->engine.progress();
-  if (!progress || !progress->unstored || progress->run.state != RunState::paused)
-    return std::nullopt;
+  if (!progress || !progress->unstored) return std::nullopt;
+  // A run that is over and is not on record as such would be continued by the next start.
+  if (progress->run.state != RunState::paused && !is_over(progress->run.state)) return std::nullopt;
   const auto& hold = progress->run.hold;
   return formats::KeptStop{hold.who.empty() ? "the daemon" : hold.who,
                            to_iso8601(parts_->clock->utc(hold.at))};

@@ -67,9 +67,18 @@ class Cell {
   Awaitable<void> devices_looked_at();
   // Resumes when the promoted model or plan serves again after a start, or is refused.
   Awaitable<void> served_again();
+  // First part of the end, while the doors are open: nothing begins to move, what moves is stopped,
+  // long calls end. Resumes when every controller that moved has reported no motion in two
+  // successive answers, or after 20 s of wall time. A stop is taken meanwhile, and until
+  // shut_down().
+  Awaitable<void> come_to_rest();
   Awaitable<void> shut_down();
-  // After it: who paused the run that the next start would let go on, for the disk took nothing and
-  // the record does not say so. Whoever ends the daemon keeps it, as a stop that nobody answered.
+  // After it. False: a computation has not ended, and this cannot be destroyed; the record is
+  // closed.
+  bool all_ended() const;
+  // After it: who stopped the cell or paused the run, or the daemon itself for a run that is over,
+  // where the database took nothing and the record does not say so: the next start would begin the
+  // queue, or let the run go on. Whoever ends the daemon keeps it, as a stop that nobody answered.
   std::optional<formats::KeptStop> halt_not_on_record() const;
 
   const Services& services() const { return services_; }

@@ -22,6 +22,9 @@ std::vector<StopDesk::Controller> controllers_of(DeviceBench& bench) {
   return controllers;
 }
 
+// An axis that cannot be reached is told again by the run's engine.
+Awaitable<void> stop_axes(DeviceBench& bench) { static_cast<void>(co_await bench.stop()); }
+
 }  // namespace
 
 Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedRecord opened)
@@ -124,7 +127,11 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       holds(on, description, *clock, recorder, events, tasks,
             {[this] { return engine.control(); }, [this] { return engine.measures(); },
              given.end_daemon ? std::move(given.end_daemon) : [] {},
-             [this] { return upkeep.disk_free_gb(); }}),
+             [this] { return upkeep.disk_free_gb(); },
+             // A movement by hand beside a run that stands is a person's.
+             [this] {
+               if (!right.by_hand()) tasks.spawn(stop_axes(bench));
+             }}),
       trajectories(description, *clock, writer, events, text_thread.executor(), durations),
       datasets(description, *clock, reader, writer, events, text_thread.executor()),
       annotations(*clock, reader, writer, events),
@@ -153,7 +160,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
                 notify}),
       alarms(on,
              {workbench, overview, engine, right, manual, serving, checks, configuration, upkeep,
-              access, notify, holds},
+              access, notify, holds, queue_desk},
              reader, alarm_book, tasks),
       feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
       reports(

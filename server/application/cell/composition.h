@@ -97,6 +97,7 @@ class Composition {
   void start();
   // Resumes when the promoted model or plan serves, or is refused with its reason.
   Awaitable<void> served_again();
+  Awaitable<void> come_to_rest();
   Awaitable<void> shut_down();
   Services services();
 
@@ -172,12 +173,13 @@ class Composition {
 
  private:
   Awaitable<void> start_up();
+  Awaitable<void> rest_axes();
   Awaitable<Result<void>> restore_datum();
   Awaitable<Result<void>> restore_force();
   Awaitable<Result<void>> restore_model();
 
   bool measure_pauses_ = false;
-  bool served_again_ = false;
+  bool served_again_ = false, comes_to_rest_ = false;
   Signal looked_for_what_serves_;
   std::shared_ptr<void> run_watch_;
 };

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "server/application/cell/composition.h"
 #include "server/core/try.h"
 
@@ -92,14 +95,63 @@ Awaitable<Result<void>> Composition::restore_model() {
   co_return Result<void>{};
 }
 
-Awaitable<void> Composition::shut_down() {
-  constexpr auto kPatience =
-      std::chrono::seconds(2);  // wall: then whatever is still talking is cut off
+// Told first of all, while the doors still take a stop: what moves ends, long work gives way.
+Awaitable<void> Composition::come_to_rest() {
+  if (std::exchange(comes_to_rest_, true)) co_return;
   events.record_own("daemon.stopping", "the daemon was asked to end");
   served_again_ = true;
   looked_for_what_serves_.raise();
+  const bool moves = engine.busy() || right.by_hand() != nullptr || stops.pending();
   engine.shut_down();
   if (auto* by_hand = right.by_hand()) by_hand->shut_down();
+  queue_desk.shut_down();
+  improver.shut_down();
+  diagnosis_desk.shut_down();
+  study_desk.shut_down();
+  upkeep.shut_down();
+  if (moves) co_await rest_axes();
+}
+
+// A homing ends at nothing but a stop, so the axes are stopped before anything is waited for. At
+// idle they are left to whoever moves them.
+Awaitable<void> Composition::rest_axes() {
+  constexpr double kLook_s = 0.02, kSendAgain_s = 1, kPatience_s = 20;  // of wall time
+  const auto wall = [this](double seconds) {
+    return nanoseconds_from_s(seconds * std::max(1e-3, clock->speed()));
+  };
+  const auto limit = clock->now().utc + wall(kPatience_s);
+  std::string trouble = "a run or a movement by hand has not ended";
+  CellTime sent{};
+  for (int answers = 0; clock->now().utc < limit;) {
+    if (answers == 0 && clock->now().utc - sent > wall(kSendAgain_s)) {
+      sent = clock->now().utc;
+      if (const auto stopped = co_await bench.stop(); !stopped) trouble = stopped.error().message;
+    }
+    if (!engine.busy() && right.by_hand() == nullptr && !stops.pending()) {
+      const auto state = co_await bench.motion_state();
+      if (!state)
+        trouble = state.error().message;
+      else if (state->moving)
+        trouble = "the axes still report motion";
+      answers = state && !state->moving ? answers + 1 : 0;
+      if (answers == StopDesk::kAnswers) co_return;
+    }
+    co_await clock->sleep_for(wall(kLook_s));
+  }
+  events.record_own(
+      "daemon.trouble",
+      fmt::format("the controllers have not reported rest in two successive answers within "
+                  "{:g} s of the end of the daemon: {}: look at the axes, use the "
+                  "emergency switch where they move",
+                  kPatience_s, trouble));
+}
+
+Awaitable<void> Composition::shut_down() {
+  constexpr auto kPatience =
+      std::chrono::seconds(2);  // wall: then whatever is still talking is cut off
+  // Wall: a fit that follows a run is not waited for; the service manager kills after 60 s.
+  constexpr auto kMostPatience = std::chrono::seconds(15);
+  co_await come_to_rest();
   wall_clock.shut_down();
   stops.shut_down();
   keeper.shut_down();
@@ -110,20 +162,20 @@ Awaitable<void> Composition::shut_down() {
   recorder.shut_down();
   serving.shut_down();
   joint_serving.shut_down();
-  queue_desk.shut_down();
   rests.shut_down();
-  improver.shut_down();
-  diagnosis_desk.shut_down();
-  study_desk.shut_down();
-  upkeep.shut_down();
   access.shut_down();
   holds.shut_down();
   asio::steady_timer cut_off(executor, kPatience);
   cut_off.async_wait([this](const boost::system::error_code& error) {
     if (!error) bench.close_all();
   });
-  co_await tasks.all_ended();
+  if (!co_await tasks.all_ended_within(kMostPatience))
+    spdlog::error(
+        "{} tasks of the cell have not ended within {} s: the record is closed without "
+        "them",
+        tasks.count(), kMostPatience.count());
   cut_off.cancel();
+  co_await stops.keep_for_the_next_start();
   events.shut_down();
   if (auto ok = co_await writer.flush(); !ok)
     spdlog::error("the last readings are not stored: {}", ok.error().message);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/application/plumbing/store_refusal.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -17,7 +18,8 @@ RestDesk::RestDesk(asio::any_io_executor executor, Clock& clock, Recorder& recor
       engine_(engine),
       right_(right),
       tasks_(tasks),
-      ended_(std::move(executor)) {}
+      ended_(executor),
+      beginning_(std::move(executor)) {}
 
 Awaitable<Result<void>> RestDesk::begin(Caller caller, RestLimits limits) {
   if (!(limits.length_nm_per_h > 0) || !(limits.temperature_k_per_h > 0) ||
@@ -33,6 +35,10 @@ Awaitable<Result<void>> RestDesk::begin(Caller caller, RestLimits limits) {
   if (right_.by_hand())
     co_return fail(ErrorCode::failed_precondition, reasons::kMoving,
                    "a movement by hand is under way: wait for its end");
+  const auto lock = co_await beginning_.lock();
+  // The one under way has an end on record before another one begins.
+  if (under_way())
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await finish(fmt::format("{} began another one", caller.name)));
   Rest rest{0, clock_.now().utc, {}, caller.name, {}, limits};
   RestRecord record;
   record.begin = rest.begin;
@@ -83,7 +89,20 @@ Awaitable<Result<void>> RestDesk::finish(std::string why) {
   events_.record_own("rest.ended",
                      fmt::format("the rest of {} is over: {}", rest_->begun_by, rest_->end_reason));
   ended_.raise();
-  co_return co_await writer_.rests().end_rest(rest_->id, rest_->end, rest_->end_reason);
+  const Rest over = *rest_;
+  auto stored = co_await writer_.rests().end_rest(over.id, over.end, over.end_reason);
+  if (!stored && may_be_stored_later(stored.error())) tasks_.spawn(store_end_later(over));
+  co_return stored;
+}
+
+Awaitable<void> RestDesk::store_end_later(Rest over) {
+  constexpr double kRetry_s = 5;
+  for (bool stored = false; !stored && !ending_;) {
+    const auto due = clock_.now().utc + nanoseconds_from_s(kRetry_s);
+    while (!ending_ && clock_.now().utc < due) co_await sleep_unless(clock_, due, ended_);
+    const auto again = co_await writer_.rests().end_rest(over.id, over.end, over.end_reason);
+    stored = again || !may_be_stored_later(again.error());
+  }
 }
 
 void RestDesk::follow() {

@@ -11,6 +11,7 @@
 #include "server/application/recording/recorder.h"
 #include "server/application/runs/right_to_move.h"
 #include "server/application/runs/run_engine.h"
+#include "server/core/ports/async_mutex.h"
 
 namespace driftwise::application {
 
@@ -37,7 +38,9 @@ class RestDesk {
   bool under_way() const { return rest_ && rest_->end.utc_ns == 0; }
   void follow();
   Awaitable<void> watch();
+  // Over at once; on record when it returns, or as soon as the database takes it.
   Awaitable<Result<void>> finish(std::string why);
+  Awaitable<void> store_end_later(Rest over);
 
   Clock& clock_;
   Recorder& recorder_;
@@ -47,6 +50,7 @@ class RestDesk {
   RightToMove& right_;
   TaskGroup& tasks_;
   Signal ended_;
+  AsyncMutex beginning_;
   bool watching_ = false, ending_ = false;
   std::optional<Rest> rest_;
 };

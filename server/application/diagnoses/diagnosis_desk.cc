@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "server/application/plumbing/run_on.h"
+#include "server/application/plumbing/store_refusal.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/core/reasons.h"
 #include "server/core/records/state_text.h"
@@ -137,14 +138,14 @@ Awaitable<Result<DiagnosisRecord>> DiagnosisDesk::begin(const Caller& caller,
     co_return fail(
         ErrorCode::resource_exhausted, reasons::kTooManyDiagnoses,
         fmt::format("{} diagnoses are under way or waiting: cancel one, or wait", jobs_.size()));
-  const std::string who = caller.name, peer = caller.peer;
+  const Caller by = caller;
   wanted.created = clock_.now().utc;
-  wanted.created_by = who;
+  wanted.created_by = by.name;
   auto stored = co_await writer_.diagnoses().add_diagnosis(wanted);
   if (!stored) co_return stored;
-  const Caller by{who, peer};
-  events_.record(by, "diagnosis.started",
-                 fmt::format("{} began diagnosis {}: {}", who, stored->id.value, stored->baseline));
+  events_.record(
+      by, "diagnosis.started",
+      fmt::format("{} began diagnosis {}: {}", by.name, stored->id.value, stored->baseline));
   auto job = std::make_shared<Job>(stored->id, executor_);
   jobs_.emplace(stored->id, job);
   watchers_.publish(job->progress);
@@ -217,7 +218,7 @@ Awaitable<Result<void>> DiagnosisDesk::end(std::shared_ptr<Job> job, Ending last
 // The record is not over before its end is on it: who waits for a diagnosis reads the record.
 Awaitable<void> DiagnosisDesk::store_later(std::shared_ptr<Job> job, Ending last) {
   for (bool is_stored = false; !is_stored && !ending_;) {
-    if (job->refused->code != ErrorCode::resource_exhausted && last.how.state == JobState::done)
+    if (!may_be_stored_later(*job->refused) && last.how.state == JobState::done)
       last = not_storable(*job);  // waiting changes nothing: the record says that at least
     else
       co_await sleep_until_due(*job);

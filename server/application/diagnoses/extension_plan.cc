@@ -9,6 +9,7 @@
 #include "server/application/diagnoses/instrument_agreement.h"
 #include "server/application/diagnoses/taken_side.h"
 #include "server/compensation/snapshot.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -156,7 +157,7 @@ class Planner {
     for (const auto& parameter : finding.parameters) {
       if (parameter.name != "time_s") continue;
       for (std::size_t row = 0; row < data_.data.time_s.size(); ++row)
-        if (data_.data.time_s[row] >= parameter.value) {
+        if (data_.data.time_s[row] >= parameter.value && !is_passage(data_.data, row)) {
           plan_.amendment.splits.push_back({data_.origins[row].run, data_.origins[row].row});
           return {};
         }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/core/reasons.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -35,7 +36,7 @@ void HoldDesk::shut_down() {
 Awaitable<void> HoldDesk::look_for_ever() {
   while (!ending_) {
     look(HoldWatch::Look::usual);
-    apply(world_.control());
+    if (apply(world_.control())) world_.stop_axes();
     const double pause_s = std::max(kLook_s, kLeastWall_s * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(pause_s), wake_);
   }
@@ -43,7 +44,7 @@ Awaitable<void> HoldDesk::look_for_ever() {
 
 void HoldDesk::look_before_motion(RunControl& control) {
   look(HoldWatch::Look::before_motion);
-  apply(&control);
+  static_cast<void>(apply(&control));  // nothing moves yet
 }
 
 void HoldDesk::look(HoldWatch::Look look) {
@@ -90,9 +91,8 @@ bool HoldDesk::counts(const Rule& rule) const { return rule.aside_until <= clock
 void HoldDesk::end_where_it_must() {
   for (const auto& rule : rules_) {
     const auto& what = rule.watch.rule();
-    const bool holds = rule.watch.seen() && rule.watch.phase() == HoldWatch::Phase::holding;
-    if (what.action != HoldAction::end_daemon || !holds || !counts(rule) ||
-        std::exchange(asked_to_end_, true))
+    if (what.action != HoldAction::end_daemon || !rule.watch.is_measured_beyond(clock_.now().utc) ||
+        !counts(rule) || std::exchange(asked_to_end_, true))
       continue;
     events_.record_own("hold.ends_daemon",
                        fmt::format("hold {}: {}; the daemon ends in good order, and the run goes "
@@ -104,9 +104,9 @@ void HoldDesk::end_where_it_must() {
 
 // Several that hold at once are one condition: the first of the file speaks, the strongest action
 // is done.
-void HoldDesk::apply(RunControl* control) {
+bool HoldDesk::apply(RunControl* control) {
   end_where_it_must();
-  if (control == nullptr) return;
+  if (control == nullptr) return false;
   std::optional<CellCondition> condition;
   for (const auto& rule : rules_) {
     if (rule.watch.phase() != HoldWatch::Phase::holding || !counts(rule)) continue;
@@ -122,7 +122,7 @@ void HoldDesk::apply(RunControl* control) {
       condition->hold.reason += "; " + rule.watch.sentence();
     }
   }
-  control->set_condition(std::move(condition));
+  return control->set_condition(std::move(condition));
 }
 
 std::optional<double> HoldDesk::fresh(const std::string& channel,
@@ -181,26 +181,37 @@ std::vector<HoldStatus> HoldDesk::list() const {
   return list;
 }
 
-Result<HoldStatus> HoldDesk::set_aside(const Caller& caller, const std::string& name, double for_s,
-                                       const std::string& reason) {
+Awaitable<Result<HoldStatus>> HoldDesk::set_aside(Caller caller, std::string name, double for_s,
+                                                  std::string reason) {
   const auto rule =
       std::ranges::find_if(rules_, [&](const Rule& one) { return one.watch.rule().name == name; });
   if (rule == rules_.end()) {
     std::string known;
     for (const auto& one : rules_) known += (known.empty() ? "" : ", ") + one.watch.rule().name;
-    return fail(ErrorCode::not_found, reasons::kNoSuchHold,
-                fmt::format("no hold '{}' in this cell, there {}", name,
-                            known.empty() ? std::string("is none") : "are: " + known));
+    co_return fail(ErrorCode::not_found, reasons::kNoSuchHold,
+                   fmt::format("no hold '{}' in this cell, there {}", name,
+                               known.empty() ? std::string("is none") : "are: " + known));
   }
   if (!(for_s >= 0) || for_s > kMost_s)
-    return fail(ErrorCode::invalid_argument, reasons::kBadDuration,
-                fmt::format("hold {}: found {:g} s, expected 0 (it counts again) to {:g} s", name,
-                            for_s, kMost_s));
+    co_return fail(ErrorCode::invalid_argument, reasons::kBadDuration,
+                   fmt::format("hold {}: found {:g} s, expected 0 (it counts again) to {:g} s",
+                               name, for_s, kMost_s));
   if (for_s > 0 && reason.find_first_not_of(" \t\r\n") == std::string::npos)
-    return fail(ErrorCode::invalid_argument, reasons::kReasonMissing,
-                fmt::format("hold {}: a limit is set aside with a reason in writing, which is "
-                            "recorded",
-                            name));
+    co_return fail(ErrorCode::invalid_argument, reasons::kReasonMissing,
+                   fmt::format("hold {}: a limit is set aside with a reason in writing, which is "
+                               "recorded",
+                               name));
+  const ActChange change{.subject = fmt::format("hold {}", name), .before = {}, .after = {}};
+  if (for_s > 0) {
+    auto recording = events_.record_first(
+        caller, "hold.set_aside",
+        fmt::format("{} sets hold {} aside for {:g} s: {}", caller.name, name, for_s, reason), {},
+        change);
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(recording));
+  } else {  // more protection waits for no disk
+    events_.record(caller, "hold.in_force",
+                   fmt::format("{} puts hold {} in force again", caller.name, name), {}, change);
+  }
   const auto now = clock_.now().utc;
   const auto was_aside_until = rule->aside_until;
   rule->aside_until = for_s > 0 ? now + nanoseconds_from_s(for_s) : CellTime{};
@@ -208,13 +219,8 @@ Result<HoldStatus> HoldDesk::set_aside(const Caller& caller, const std::string& 
   rule->aside_by = caller.name;
   rule->aside_reason = reason;
   follow_mark(*rule);
-  events_.record(caller, for_s > 0 ? "hold.set_aside" : "hold.in_force",
-                 for_s > 0 ? fmt::format("{} sets hold {} aside for {:g} s: {}", caller.name, name,
-                                         for_s, reason)
-                           : fmt::format("{} puts hold {} in force again", caller.name, name),
-                 {}, {.subject = fmt::format("hold {}", name), .before = {}, .after = {}});
-  apply(world_.control());
-  return status_of(*rule);
+  if (apply(world_.control())) world_.stop_axes();
+  co_return status_of(*rule);
 }
 
 }  // namespace driftwise::application

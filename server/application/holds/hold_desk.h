@@ -25,6 +25,7 @@ class HoldDesk final : public Holds {
     std::function<bool()> measures;                       // it has a datum
     std::function<void()> end_daemon;                     // in good order
     std::function<std::optional<double>()> disk_free_gb;  // of the database's disk; none: not known
+    std::function<void()> stop_axes;                      // of the run under way; returns at once
   };
   // All of them outlive this.
   HoldDesk(asio::any_io_executor executor, const CellDescription& description, Clock& clock,
@@ -45,8 +46,8 @@ class HoldDesk final : public Holds {
   bool settles() const;
 
   std::vector<HoldStatus> list() const override;
-  Result<HoldStatus> set_aside(const Caller& caller, const std::string& name, double for_s,
-                               const std::string& reason) override;
+  Awaitable<Result<HoldStatus>> set_aside(Caller caller, std::string name, double for_s,
+                                          std::string reason) override;
 
  private:
   struct Rule {
@@ -61,7 +62,8 @@ class HoldDesk final : public Holds {
   void look(HoldWatch::Look look);
   void tell(Rule& rule);
   void follow_mark(Rule& rule);
-  void apply(RunControl* control);
+  // True: the axes have to be stopped now.
+  [[nodiscard]] bool apply(RunControl* control);
   void end_where_it_must();
   bool counts(const Rule& rule) const;
   std::optional<double> value_of(const HoldRule& rule) const;

@@ -32,6 +32,11 @@ std::string HoldWatch::what_exceeds(const std::optional<double>& value) const {
                      is_above ? *rule_.above : rule_.below.value_or(0), rule_.name);
 }
 
+bool HoldWatch::is_measured_beyond(CellTime now) const {
+  return value_ && !std::isnan(*value_) && measured_beyond_since_ &&
+         seconds_from(now - *measured_beyond_since_) >= rule_.for_s;
+}
+
 void HoldWatch::clear() {
   phase_ = Phase::clear;
   since_ = {};
@@ -41,6 +46,12 @@ void HoldWatch::clear() {
 
 void HoldWatch::look(std::optional<double> value, CellTime now, Look look) {
   value_ = value;
+  if (value && !std::isnan(*value)) {
+    if (!is_beyond(value))
+      measured_beyond_since_.reset();
+    else if (!measured_beyond_since_)
+      measured_beyond_since_ = now;
+  }
   if (value && !std::exchange(seen_, true)) clear();
   if (phase_ != Phase::holding) {
     if (!is_beyond(value)) return clear();

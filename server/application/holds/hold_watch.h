@@ -35,6 +35,10 @@ class HoldWatch {
   Phase phase() const { return phase_; }
   // A value has been there once. Before the first one a run waits too, but not for settle_s.
   bool seen() const { return seen_; }
+  // A value measured at the last look is beyond the limit, and the measured ones have been for
+  // for_s. What cannot be taken back is done for nothing less: not for a missing value, which says
+  // nothing of the quantity.
+  bool is_measured_beyond(CellTime now) const;
   // It holds, and its value is within the release limits: settle_s is counted.
   bool settles() const { return phase_ == Phase::holding && inside_since_.has_value(); }
   // Since when the limit is exceeded, or was when the hold began; utc_ns 0 while clear.
@@ -57,7 +61,8 @@ class HoldWatch {
   bool seen_ = false;
   CellTime since_;
   std::optional<CellTime> inside_since_;  // while holding
-  std::optional<double> value_;           // of the last look
+  std::optional<CellTime> measured_beyond_since_;
+  std::optional<double> value_;  // of the last look
   std::string sentence_;
 };
 

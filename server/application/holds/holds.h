@@ -20,9 +20,10 @@ class Holds {
   // The rule suspends nothing for that long (cell time), or counts again at once (0). Not kept over
   // a restart of the daemon: then every rule counts.
   // Errors: not_found NO_SUCH_HOLD; invalid_argument BAD_DURATION (negative, above kMost_s),
-  // REASON_MISSING.
-  virtual Result<HoldStatus> set_aside(const Caller& caller, const std::string& name, double for_s,
-                                       const std::string& reason) = 0;
+  // REASON_MISSING; those of the store: the rule is set aside once that is in the audit, and a rule
+  // that is put in force again counts in any case.
+  virtual Awaitable<Result<HoldStatus>> set_aside(Caller caller, std::string name, double for_s,
+                                                  std::string reason) = 0;
 
   static constexpr double kMost_s = 7 * 86'400;
 };

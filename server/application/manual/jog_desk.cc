@@ -21,6 +21,8 @@ namespace {
 // Of wall time: between two looks at the controller.
 constexpr std::chrono::milliseconds kBetweenLooks{10};
 constexpr std::chrono::seconds kStopWithin{1};
+// Of cell time: for which a controller may say "on target" away from the end of a step.
+constexpr double kHeldUp_s = 2;
 
 }  // namespace
 
@@ -40,6 +42,7 @@ struct JogDesk::Jog {
   std::chrono::nanoseconds last_sign{0};
   bool halting = false;
   JogState state;
+  std::optional<Error> error;  // that ended it
 };
 
 JogDesk::JogDesk(asio::any_io_executor executor, Workbench& bench, RunEngine& engine,
@@ -161,21 +164,20 @@ Awaitable<Result<JogState>> JogDesk::begin(Caller caller, std::string lease_toke
     co_return jog->state;
   }
   co_await carry(jog);
-  if (!jog->state.released)
-    co_return fail(ErrorCode::aborted, reasons::kRunAborted, jog->state.end_reason);
+  if (jog->error) co_return tl::unexpected(*jog->error);
   co_return jog->state;
 }
 
 Awaitable<void> JogDesk::carry(JogPtr jog) {
   const auto done = co_await step_on(*jog);
   while (jog->halting) co_await jog->changed.wait();
+  if (!done) jog->error = done.error();
   if (!done && jog->state.end_reason.empty()) {
     jog->state.end_reason = done.error().message;
     // The end of a jog may leave the axis in motion. A stop that a person pressed has its own desk.
     if (jog->state.steps > 0 && !bench_.stops.pending()) {
-      jog->halting = true;
-      static_cast<void>(co_await bench_.devices.stop());
-      jog->halting = false;
+      auto stopping = stop_axes(*jog);
+      co_await std::move(stopping);
     }
   }
   jog->state.over = true;
@@ -186,39 +188,63 @@ Awaitable<void> JogDesk::carry(JogPtr jog) {
 
 Awaitable<Result<void>> JogDesk::step_on(Jog& jog) {
   do {
-    auto next = jog.target_mm;
+    const auto from_mm = jog.target_mm;
+    auto next = from_mm;
     next[jog.axis] += jog.order.step_mm;
-    if (const auto inside = check_step(jog.target_mm, next, jog.moved); !inside) {
+    if (const auto inside = check_step(from_mm, next, jog.moved); !inside) {
       jog.state.released = true;
       jog.state.end_reason = inside.error().message;
       co_return Result<void>{};
     }
     DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
-    bench_.writer.add(MoveRecord{std::nullopt, bench_.clock.now(), jog.target_mm, next,
+    bench_.writer.add(MoveRecord{std::nullopt, bench_.clock.now(), from_mm, next,
                                  "jog by hand: " + jog.caller.name});
     jog.target_mm = next;
     ++jog.state.steps;
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.devices.start_move(next, jog.moved));
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await arrive(jog));
+    auto arriving = arrive(jog, from_mm[jog.axis]);
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(arriving));
   } while (jog.order.held);
   jog.state.released = true;
   jog.state.end_reason = "the step was made";
   co_return Result<void>{};
 }
 
-Awaitable<Result<void>> JogDesk::arrive(Jog& jog) {
+// A controller that halted an axis at an obstacle or a limit switch may say "on target" of where it
+// halted: the readback says whether the step was made, and the next one counts from there.
+Awaitable<Result<void>> JogDesk::arrive(Jog& jog, double from_mm) {
   const auto& rules = bench_.description.run;
+  auto held_up = rules;
+  held_up.move_timeout_s = std::min(kHeldUp_s, rules.move_timeout_s);
   MoveLimit limit(rules, bench_.clock.now().utc);
+  std::optional<MoveLimit> standing;  // since it says that the step is over
   while (true) {
     DRIFTWISE_CO_TRY(const auto state, co_await state_of(bench_.devices, jog.moved));
     jog.state.q_mm = state.q_mm;
     DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
-    if (!state.moving && state.on_target) co_return Result<void>{};
-    const double off_nm = nm_from_mm(std::abs(state.q_mm.at(jog.axis) - jog.target_mm[jog.axis]));
-    if (limit.has_passed(off_nm, bench_.clock.now().utc))
-      co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled,
-                     fmt::format("{} is not on target and no nearer for {:g} s (move_timeout_s)",
-                                 jog.order.channel, rules.move_timeout_s));
+    const auto now = bench_.clock.now().utc;
+    const double at_mm = state.q_mm.at(jog.axis);
+    double& target_mm = jog.target_mm[jog.axis];
+    const double off_nm = nm_from_mm(std::abs(at_mm - target_mm));
+    const bool is_over = !state.moving && state.on_target;
+    if (is_over && off_nm <= rules.in_position_nm) {
+      target_mm = at_mm;
+      co_return Result<void>{};
+    }
+    if (!is_over)
+      standing.reset();
+    else if (!standing)
+      standing.emplace(held_up, now);
+    const bool is_held_up = standing && standing->has_passed(off_nm, now);
+    if (limit.has_passed(off_nm, now) || is_held_up)
+      co_return fail(
+          ErrorCode::deadline_exceeded, reasons::kNotSettled,
+          fmt::format("{} is at {:.6f} mm, {:+.6f} mm from where a step of {:+g} mm began, and {}: "
+                      "the step was not made, and the axis was halted; look what is in its way",
+                      jog.order.channel, at_mm, at_mm - from_mm, jog.order.step_mm,
+                      is_held_up ? "the controller says that it is on target there"
+                                 : fmt::format("no nearer for {:g} s (move_timeout_s)",
+                                               rules.move_timeout_s)));
     co_await wall_sleep(kBetweenLooks);
     DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
   }
@@ -246,15 +272,22 @@ Awaitable<void> JogDesk::halt(JogPtr jog, std::string why, bool released) {
   jog->state.end_reason = why;
   jog->state.released = released;
   jog->control.abort(why);
+  auto stopping = stop_axes(*jog);
+  co_await std::move(stopping);
+  jog->changed.raise();
+}
+
+Awaitable<void> JogDesk::stop_axes(Jog& jog) {
+  jog.halting = true;
   const auto sent = co_await bench_.devices.stop();
-  const bool rests = sent && co_await at_rest();
+  bool rests = false;
+  if (sent) rests = co_await at_rest();
   // A controller that does not say so is told for as long as it takes, also by the next daemon.
   if (!rests) {
-    auto pressing = bench_.stops.press(jog->caller, why);
+    auto pressing = bench_.stops.press(jog.caller, jog.state.end_reason);
     static_cast<void>(co_await std::move(pressing));
   }
-  jog->halting = false;
-  jog->changed.raise();
+  jog.halting = false;
 }
 
 Awaitable<bool> JogDesk::at_rest() {

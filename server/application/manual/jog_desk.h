@@ -35,9 +35,10 @@ class JogDesk final : public Jogs {
   Result<JogPtr> find(std::int64_t id, const std::string& lease_token) const;
   Awaitable<void> carry(JogPtr jog);
   Awaitable<Result<void>> step_on(Jog& jog);
-  Awaitable<Result<void>> arrive(Jog& jog);
+  Awaitable<Result<void>> arrive(Jog& jog, double from_mm);
   Awaitable<void> listen(JogPtr jog);  // for the client's signs of life
   Awaitable<void> halt(JogPtr jog, std::string why, bool released);
+  Awaitable<void> stop_axes(Jog& jog);  // at rest, or a stop that is not forgotten
   Awaitable<bool> at_rest();
   std::chrono::nanoseconds wall_now() const;
   Awaitable<void> wall_sleep(std::chrono::nanoseconds duration);

@@ -73,13 +73,14 @@ ManualControlService::ManualControlService(asio::any_io_executor executor, Workb
 void ManualControlService::start() {
   bench_.allow_motion_if([this]() -> Result<void> {
     const auto allowed = stops_.check();
-    if (allowed) return {};
-    return fail(ErrorCode::aborted, allowed.error().reason, allowed.error().message);
+    if (!allowed) return fail(ErrorCode::aborted, allowed.error().reason, allowed.error().message);
+    const auto* control = right_.by_hand() ? nullptr : engine_.control();
+    return control ? control->check() : Result<void>{};
   });
   bench_.watch_motion(
       MotionWatch::kPerInPosition * description_.run.in_position_nm,
       [this](std::vector<double> q_mm) { return axes_measured_at(std::move(q_mm)); },
-      [this](const std::string& what) { axes_moved_uncommanded(what); });
+      [this](const MotionFinding& found) { motion_found(found); });
 }
 
 Result<Lease> ManualControlService::take_lease(const Caller& caller, Nanoseconds duration,
@@ -152,28 +153,46 @@ Awaitable<Result<void>> ManualControlService::home(Caller caller, std::string le
                                                    HoldAnswer answer) {
   auto lock = std::optional(co_await right_.turn());
   if (auto ok = right_.check_by_hand(caller, lease_token, answer); !ok) co_return ok;
-  engine_.remeasure_zero("homed by hand");
   ByHand hand(*this);
   lock.reset();
-  events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
+  auto recording =
+      events_.record_first(caller, "axes.home", fmt::format("{} references the axes", caller.name));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(recording));
+  engine_.remeasure_zero("homed by hand");
   auto scope = hand.scope("homing");
   recorder_.lend_pose_instruments(true);
   auto opening = new_datum_by_hand(scope, "homed by " + caller.name);
   auto opened = co_await std::move(opening);
   recorder_.lend_pose_instruments(false);
+  if (!opened) {
+    events_.record_own("axes.home_failed", fmt::format("homing by {} ended without a datum: {}",
+                                                       caller.name, opened.error().message));
+    co_await press_where_it_moves_on(caller, opened.error());
+    // At the end of the daemon the controller says "stopped", which says nothing of why.
+    if (scope.control.shutting_down()) co_return scope.control.check();
+  }
   DRIFTWISE_CO_RETURN_IF_ERROR(opened);
   take_datum(*opened);
   co_return Result<void>{};
 }
 
-// Referenced axes count from somewhere else by some nanometres, so the datum before is over, even
-// where no new one can be opened.
+// Referenced axes count from somewhere else by some nanometres, so the datum before is over from
+// the moment the reference is sent, even where no new one can be opened.
 Awaitable<Result<DatumRecord>> ManualControlService::new_datum_by_hand(RunScope& scope,
                                                                        std::string reason) {
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await make_homed(scope, true));
-  datum_trouble_ =
-      "the axes were homed and no datum has been opened since: targets still count "
-      "from the one before; home again, or start a run";
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await clear_to_home(scope, true, SwitchOn::yes));
+  const auto no_datum_since = [](const char* what) {
+    return fmt::format(
+        "{} and no datum has been opened since: targets still count from the one before; home "
+        "again, or start a run",
+        what);
+  };
+  const auto trouble_before =
+      std::exchange(datum_trouble_, no_datum_since("the homing of the axes was begun"));
+  auto homed = co_await send_home(scope);
+  if (!homed && homed.error().reason == reasons::kStopPending) datum_trouble_ = trouble_before;
+  DRIFTWISE_CO_RETURN_IF_ERROR(homed);
+  datum_trouble_ = no_datum_since("the axes were homed");
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.prepare_for_run());
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_thermometers(scope));
   if (description_.load) DRIFTWISE_CO_RETURN_IF_ERROR(co_await loading_.look(bench_));
@@ -196,18 +215,37 @@ Awaitable<bool> ManualControlService::axes_measured_at(std::vector<double> q_mm)
 
 // The point under way is not accepted: its attempt ends as interrupted with this reason. The run is
 // paused until a person resumes it, and then measures its zero again.
-void ManualControlService::axes_moved_uncommanded(const std::string& what) {
-  motion_trouble_ = fmt::format(
-      "the axes moved without a command of this daemon ({}): look who else drives them, then open "
-      "a new datum (resume the run, home, or start a run)",
-      what);
+void ManualControlService::motion_found(const MotionFinding& found) {
+  std::string kind, trouble;
+  switch (found.kind) {
+    case MotionFinding::Kind::moved:
+      kind = "motion.uncommanded";
+      trouble = motion_trouble_ = fmt::format(
+          "the axes moved without a command of this daemon ({}): look who else drives them, then "
+          "open a new datum (resume the run, home, or start a run)",
+          found.sentence);
+      engine_.remeasure_zero("uncommanded motion");
+      break;
+    case MotionFinding::Kind::halted:
+      kind = "motion.halted";
+      trouble = fmt::format(
+          "the controller halted the axes on their way ({}): look at the axes and their limit "
+          "switches, then resume the run or move again",
+          found.sentence);
+      break;
+    case MotionFinding::Kind::servo_off:
+      kind = "motion.servo_off";
+      trouble = fmt::format(
+          "the servo was switched off at the controller ({}): look who switched it off and why; "
+          "then home or resume the run, which switches it on, or switch it on at the controller",
+          found.sentence);
+      break;
+  }
   const auto* run = engine_.record();
-  events_.record_own("motion.uncommanded", motion_trouble_,
-                     run ? std::optional(run->id) : std::nullopt);
-  engine_.remeasure_zero("uncommanded motion");
+  events_.record_own(kind, trouble, run ? std::optional(run->id) : std::nullopt);
   if (auto* control = engine_.control())
-    control->halt({RunHold::Kind::trouble, "", clock_.now().utc, motion_trouble_});
-  if (auto* by_hand = right_.by_hand()) by_hand->abort(motion_trouble_);
+    control->halt({RunHold::Kind::trouble, "", clock_.now().utc, trouble});
+  if (auto* by_hand = right_.by_hand()) by_hand->abort(trouble);
   // Own motion ends: a run is paused, a move by hand is given up. At idle the axes are left to
   // whoever moves them.
   if (!engine_.busy() && !right_.by_hand()) return;
@@ -229,22 +267,29 @@ Awaitable<Result<void>> ManualControlService::move_to(Caller caller, std::string
   if (auto ok = right_.check_by_hand(caller, lease_token, answer); !ok) co_return ok;
   const auto moved = robots_to_move(description_, q_mm);
   if (auto ok = check_soft_limits(description_, q_mm, moved); !ok) co_return ok;
-  engine_.remeasure_zero("moved by hand");
   ByHand hand(*this);
   lock.reset();
-  events_.record(caller, "axes.move",
-                 fmt::format("{} moves to {} mm", caller.name, places_of(description_, q_mm)));
+  auto recording = events_.record_first(
+      caller, "axes.move",
+      fmt::format("{} moves to {} mm", caller.name, places_of(description_, q_mm)));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(recording));
+  engine_.remeasure_zero("moved by hand");
   auto scope = hand.scope("the movement");
   const auto arrival = co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name, moved);
-  // A controller that moves on after the halt is told for as long as it takes.
-  if (!arrival && arrival.error().reason == reasons::kNotSettled) {
-    auto pressing = stops_.press(caller, arrival.error().message);
-    static_cast<void>(co_await std::move(pressing));
-  }
+  if (!arrival) co_await press_where_it_moves_on(caller, arrival.error());
+  if (!arrival && scope.control.shutting_down()) co_return scope.control.check();
   DRIFTWISE_CO_RETURN_IF_ERROR(arrival);
   if (arrival->trouble != Trouble::none)
     co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled, arrival->sentence);
   co_return Result<void>{};
+}
+
+// A controller that moves on after the halt, or cannot be asked whether it does, is told for as
+// long as it takes.
+Awaitable<void> ManualControlService::press_where_it_moves_on(Caller caller, Error ended) {
+  if (ended.reason != reasons::kNotSettled) co_return;
+  auto pressing = stops_.press(std::move(caller), std::move(ended.message));
+  static_cast<void>(co_await std::move(pressing));
 }
 
 Awaitable<Result<void>> ManualControlService::set_stabiliser(Caller caller, std::string lease_token,

@@ -55,8 +55,9 @@ class ManualControlService final : public ManualControl {
   Awaitable<Result<DatumRecord>> new_datum_by_hand(RunScope& scope, std::string reason);
   // False also where no pose is measured, or none counts from a datum.
   Awaitable<bool> axes_measured_at(std::vector<double> q_mm);
-  void axes_moved_uncommanded(const std::string& what);
+  void motion_found(const MotionFinding& found);
   Awaitable<void> halt_axes();
+  Awaitable<void> press_where_it_moves_on(Caller caller, Error ended);
 
   asio::any_io_executor executor_;
   Workbench& workbench_;

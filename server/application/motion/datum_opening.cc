@@ -226,11 +226,12 @@ double largest_nm(const std::vector<double>& closure_nm) {
   return largest;
 }
 
-Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening) {
+Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening,
+                                          SwitchOn switch_on) {
   auto& bench = scope.bench;
   bench.doubts
       .forget_datum();  // what the instruments show until they are zeroed counts from elsewhere
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await make_homed(scope, opening.home));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await make_homed(scope, opening.home, switch_on));
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await stand_at_zero(scope, opening.reason));
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_stabilisers(scope));
 

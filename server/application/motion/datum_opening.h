@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/application/motion/start_checks.h"
 #include "server/application/motion/workbench.h"
 #include "server/application/motion/zero_shift.h"
 
@@ -31,8 +32,10 @@ inline constexpr const char* kZeroDevice = "zero";
 // zero_found_nm, zero_difference_nm, zero_limit_nm of the length that differs most, by the first
 // zeroing since that datum. Readings before and after the zeroing have the budget of a row
 // (zero_visit.h). A run waits while the disk takes nothing. Errors: those of the checks and
-// devices; ZERO_NOT_REACHED; those of the store, without a run resource_exhausted among them.
-Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening);
+// devices; ZERO_NOT_REACHED; those of the store, without a run resource_exhausted among them;
+// SERVO_OFF where switch_on does not allow it.
+Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening,
+                                          SwitchOn switch_on = SwitchOn::no);
 
 // The warming of every temperature of the cell between a datum's zeroing and a set of values;
 // missing ones count 0.

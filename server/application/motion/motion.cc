@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "server/application/motion/keep_out.h"
+#include "server/application/motion/loading.h"
 #include "server/application/motion/stop_desk.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/reasons.h"
@@ -78,6 +79,8 @@ MotionState together(const std::vector<MotionState>& states, const AxesToMove& m
     all.moving = all.moving || one.moving;
     all.referenced = all.referenced && one.referenced;
     all.on_target = all.on_target && one.on_target;
+    all.servo_on = all.servo_on && one.servo_on;
+    if (all.halted_because.empty()) all.halted_because = one.halted_because;
   }
   return all;
 }
@@ -110,7 +113,7 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
     const auto now = scope.bench.clock.now();
     if (!state.moving && state.on_target && off_nm <= scope.rules.in_position_nm) {
       scope.bench.doubts.readback_is_good();
-      co_return Arrival{Trouble::none, "", now};
+      co_return Arrival{Trouble::none, "", now, std::move(state.q_mm)};
     }
     const bool is_late = limit.has_passed(off_nm, now.utc);
     if (is_late && !state.moving && state.on_target) {
@@ -123,15 +126,17 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
       if (off_nm > kFarAway * scope.rules.in_position_nm) co_return tl::unexpected(off.error());
     }
     if (is_late) {
-      if (state.moving) DRIFTWISE_CO_RETURN_IF_ERROR(co_await bring_to_rest(scope));
+      // An axis that something holds up may say that it does not move: its target stands, and it
+      // would go there as soon as its way is free.
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await bring_to_rest(scope));
       co_return Arrival{Trouble::not_settled,
                         fmt::format("{:.0f} nm from the commanded position and no nearer for {:g} "
-                                    "s (move_timeout_s), limit {:g} nm{}",
+                                    "s (move_timeout_s), limit {:g} nm{}: halted",
                                     off_nm, scope.rules.move_timeout_s, scope.rules.in_position_nm,
-                                    state.moving      ? ", still moving: halted"
+                                    state.moving      ? ", still moving"
                                     : state.on_target ? ""
                                                       : ", not on target"),
-                        now};
+                        now, std::move(state.q_mm)};
     }
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(kPoll_s));
   }
@@ -172,6 +177,25 @@ Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival, const Ax
 Awaitable<Result<MotionState>> state_of(DeviceBench& devices, AxesToMove moved) {
   DRIFTWISE_CO_TRY(const auto states, co_await devices.motion_states());
   co_return together(states, moved);
+}
+
+Awaitable<Result<void>> halt_by_hand(RunScope& scope) {
+  if (scope.run || scope.bench.stops.pending()) co_return Result<void>{};
+  const auto rests = co_await bring_to_rest(scope);
+  if (rests || scope.bench.stops.pending()) co_return Result<void>{};
+  if (rests.error().reason == reasons::kNotSettled) co_return rests;
+  co_return fail(
+      ErrorCode::deadline_exceeded, reasons::kNotSettled,
+      "the axes could not be halted, use the emergency switch: " + rests.error().message);
+}
+
+Awaitable<Error> halted_by_hand(RunScope& scope, Error ended) {
+  auto halting = halt_by_hand(scope);
+  const auto rests = co_await std::move(halting);
+  if (rests) co_return ended;
+  ended.reason = reasons::kNotSettled;
+  if (rests.error().message != ended.message) ended.message += "; " + rests.error().message;
+  co_return ended;
 }
 
 AxesToMove no_axes(const CellDescription& cell) {
@@ -234,6 +258,18 @@ Awaitable<Result<Arrival>> move_and_settle(RunScope& scope, const std::vector<do
   co_return co_await wait_quiet(scope, *arrival, moved);
 }
 
+// What moved the axes is in the path.
+void note_passage(RunScope& scope, const std::vector<double>& from_mm,
+                  const std::vector<double>& commanded_mm, const Arrival& arrival) {
+  if (largest_distance_nm(from_mm, arrival.q_mm, {}) <= scope.rules.in_position_nm) return;
+  scope.passed.push_back({arrival.in_position.utc,
+                          arrival.in_position,
+                          commanded_mm,
+                          arrival.q_mm,
+                          scope.bench.loading.known_n(),
+                          {}});
+}
+
 Awaitable<Result<Arrival>> go_straight(RunScope& scope, const std::vector<double>& from_mm,
                                        std::vector<double> q_mm, std::string cause,
                                        AxesToMove moved) {
@@ -242,9 +278,14 @@ Awaitable<Result<Arrival>> go_straight(RunScope& scope, const std::vector<double
   scope.bench.writer.add(
       MoveRecord{scope.run, scope.bench.clock.now(), from_mm, q_mm, std::move(cause)});
   auto arrival = co_await move_and_settle(scope, q_mm, moved);
-  // A stop that a person pressed has its own desk.
-  if (!arrival && !scope.run && !scope.bench.stops.pending())
-    static_cast<void>(co_await scope.bench.devices.stop());
+  if (arrival && scope.run) note_passage(scope, from_mm, q_mm, *arrival);
+  if (scope.run || (arrival && arrival->trouble == Trouble::none)) co_return arrival;
+  if (!arrival) {
+    auto halting = halted_by_hand(scope, arrival.error());
+    co_return tl::unexpected(co_await std::move(halting));
+  }
+  auto halting = halt_by_hand(scope);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(halting));
   co_return arrival;
 }
 

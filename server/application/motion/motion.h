@@ -57,18 +57,28 @@ struct Arrival {
   std::string
       sentence;       // empty without trouble: "quiet to 75 nm peak to peak over 2 s, limit 60 nm"
   Stamp in_position;  // the end of the move
+  std::vector<double> q_mm;  // read back then, one per axis
 };
+
+// Error of a movement by hand that ended other than as commanded, with the axes at rest: in a run
+// the engine halts them, and a stop that a person pressed has its own desk. NOT_SETTLED, whatever
+// ended it: the controller does not say that they rest.
+Awaitable<Error> halted_by_hand(RunScope& scope, Error ended);
+Awaitable<Result<void>> halt_by_hand(RunScope& scope);  // where it ended without an error
 
 // Moves and waits until the controllers say on target, the scales agree within in_position_nm, and
 // the scales stay within quiet_nm peak to peak over settle_s: those of the axes that move. q_mm:
 // one per axis of the cell; kMissing for an axis that does not move: it stays where it is. No
 // arrival within MoveLimit, or no quiet within move_timeout_s after it, is Trouble::not_settled and
-// no error; axes that are still moving then are halted. The move itself is recorded for the store,
+// no error; without arrival the axes are halted, whatever the controller says of their motion: one
+// that is held up goes on when its way is free. The move itself is recorded for the store,
 // cause: "row 17". RunScope::at_rest is then since when the scales have been quiet. Errors: those
 // of the controller; out_of_range, SOFT_LIMIT and KEEP_OUT (in a run one robot moves before the
 // others where that keeps the distance); failed_precondition MOVING; deadline_exceeded NOT_SETTLED:
 // the controller reports motion after the halt; aborted and cancelled by the run's control. By hand
-// the axes are halted after an error of the way, in a run by the engine. Keeps RunScope::sides.
+// the axes are halted after an error or a trouble of the way (halted_by_hand), in a run by the
+// engine. Keeps RunScope::sides, and
+// in a run RunScope::passed.
 void note_sides(RunScope& scope, const std::vector<double>& from_mm,
                 const std::vector<double>& to_mm);
 Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause,

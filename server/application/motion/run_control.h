@@ -2,6 +2,7 @@
 // What people want of the run under way. Set by commands, looked at by the engine between two
 // steps.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -33,25 +34,28 @@ class RunControl {
   // The axes were stopped: the step under way ends at once with RUN_HALTED, and the run holds as it
   // does after hold(). The row under way is visited again.
   void halt(RunHold why) {
-    halted_ = true;
+    halt_ = Halt::by_person;
     hold(std::move(why));
   }
   // Condition of the cell now; none: nothing keeps the run. It ends by itself, and never ends what
   // a person, or the daemon that asks for one, has set. Of two that follow each other without a gap
-  // the first one's words stay.
-  void set_condition(std::optional<CellCondition> condition) {
+  // the first one's words stay; one that halted the run stays until the engine has seen the halt.
+  // True: the run is halted by it now, and who set it stops the axes.
+  [[nodiscard]] bool set_condition(std::optional<CellCondition> condition) {
     if (condition.has_value() == condition_.has_value() &&
         (!condition || condition->action == condition_->action))
-      return;
+      return false;
+    if (!condition && halted_by_cell()) return false;
     if (condition && condition_) condition->hold = condition_->hold;
     const bool stops = condition && condition->action >= HoldAction::stop;
     condition_ = std::move(condition);
-    if (stops) halted_ = true;
+    if (stops && halt_ == Halt::none) halt_ = Halt::by_cell;
     changed_.raise();
+    return stops;
   }
   bool wants_zero() const { return condition_ && condition_->action == HoldAction::return_to_zero; }
   // The engine has seen the halt; the hold stays.
-  void take_halt() { halted_ = false; }
+  void take_halt() { halt_ = Halt::none; }
   void resume() {
     hold_ = {};
     changed_.raise();
@@ -78,7 +82,9 @@ class RunControl {
   }
 
   bool held() const { return hold_.kind != RunHold::Kind::none || condition_; }
-  bool halted() const { return halted_ && !aborted_ && !shutting_down_; }
+  bool halted() const { return halt_ != Halt::none && !aborted_ && !shutting_down_; }
+  // By a condition of the cell and by nobody else.
+  bool halted_by_cell() const { return halt_ == Halt::by_cell; }
   bool aborted() const { return aborted_; }
   bool shutting_down() const { return shutting_down_; }
   // A person's hold comes before that of the cell.
@@ -91,13 +97,15 @@ class RunControl {
     if (shutting_down_)
       return fail(ErrorCode::cancelled, reasons::kShuttingDown, "the daemon is shutting down");
     if (aborted_) return fail(ErrorCode::aborted, reasons::kRunAborted, abort_reason_);
-    if (halted_) return fail(ErrorCode::aborted, reasons::kRunHalted, hold().reason);
+    if (halt_ != Halt::none) return fail(ErrorCode::aborted, reasons::kRunHalted, hold().reason);
     return {};
   }
   Signal& changed() { return changed_; }
 
  private:
-  bool halted_ = false, aborted_ = false, shutting_down_ = false;
+  enum class Halt : std::uint8_t { none, by_cell, by_person };  // by_person: or the daemon's doubt
+  Halt halt_ = Halt::none;
+  bool aborted_ = false, shutting_down_ = false;
   RunHold hold_;  // by a person, or because the daemon asks for one
   std::optional<CellCondition> condition_;
   std::string abort_reason_;

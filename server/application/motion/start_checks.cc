@@ -159,10 +159,27 @@ Awaitable<Result<void>> check_drift(RunScope& scope) {
   co_return Result<void>{};
 }
 
-Awaitable<Result<void>> make_homed(RunScope& scope, bool in_any_case) {
+Error servo_is_off() {
+  return {
+      ErrorCode::failed_precondition, reasons::kServoOff,
+      "the servo of an axis is off, and nobody here switched it off: look who did and why; then "
+      "home or resume the run, which switches it on, or switch it on at the controller"};
+}
+
+Awaitable<Result<void>> make_homed(RunScope& scope, bool in_any_case, SwitchOn switch_on) {
+  auto clearing = clear_to_home(scope, in_any_case, switch_on);
+  DRIFTWISE_CO_TRY(const bool is_wanted, co_await std::move(clearing));
+  if (!is_wanted) co_return Result<void>{};
+  co_return co_await send_home(scope);
+}
+
+Awaitable<Result<bool>> clear_to_home(RunScope& scope, bool in_any_case, SwitchOn switch_on) {
   DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
-  if (state.referenced && !in_any_case) co_return Result<void>{};
-  if (auto ok = scope.control.check(); !ok) co_return ok;
+  if (state.referenced && state.servo_on && !in_any_case) co_return false;
+  const bool may_switch_on =
+      switch_on == SwitchOn::yes || (switch_on == SwitchOn::if_unreferenced && !state.referenced);
+  if (!state.servo_on && !may_switch_on) co_return tl::unexpected(servo_is_off());
+  DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
   // Axes without a reference are nobody knows where. Others go to their zeros as in any move, in a
   // run one robot before the other where that keeps the distance.
   const auto& cell = scope.bench.description;
@@ -175,10 +192,18 @@ Awaitable<Result<void>> make_homed(RunScope& scope, bool in_any_case) {
           scope, std::vector<double>(state.q_mm.size(), 0.0), "to the zeros before homing"));
     }
   }
+  co_return true;
+}
+
+Awaitable<Result<void>> send_home(RunScope& scope) {
   scope.phase("homing");
   // The controller's own search ends from a side that nobody is told.
-  scope.sides.assign(cell.motor_channels().size(), '?');
-  co_return co_await scope.bench.devices.home();
+  scope.sides.assign(scope.bench.description.motor_channels().size(), '?');
+  auto homed = co_await scope.bench.devices.home();
+  if (homed) co_return homed;
+  // The reference was sent: whatever ended the wait for it leaves axes that search on.
+  auto halting = halted_by_hand(scope, homed.error());
+  co_return tl::unexpected(co_await std::move(halting));
 }
 
 }  // namespace driftwise::application

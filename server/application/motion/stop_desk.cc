@@ -75,7 +75,18 @@ void StopDesk::shut_down() {
 
 bool StopDesk::pending() const {
   return std::any_of(places_.begin(), places_.end(),
-                     [](const Place& place) { return place.stop.has_value(); });
+                     [](const Place& place) { return place.stop && !place.is_confirmed(); });
+}
+
+bool StopDesk::is_over() const {
+  return std::none_of(places_.begin(), places_.end(),
+                      [](const Place& place) { return place.stop.has_value(); });
+}
+
+std::optional<StopRecord> StopDesk::unstored() const {
+  for (const auto& place : places_)
+    if (place.stop && !place.stored) return place.stop;
+  return std::nullopt;
 }
 
 bool StopDesk::all_stored() const {
@@ -86,7 +97,7 @@ bool StopDesk::all_stored() const {
 std::vector<StopRecord> StopDesk::records() const {
   std::vector<StopRecord> records;
   for (const auto& place : places_)
-    if (place.stop) records.push_back(*place.stop);
+    if (place.stop && !place.is_confirmed()) records.push_back(*place.stop);
   return records;
 }
 
@@ -96,6 +107,11 @@ Nanoseconds StopDesk::of_wall(milliseconds wall) const {
 
 std::string StopDesk::sentence(const Place& place) const {
   const double age_s = seconds_from(clock_.now().utc - place.stop->asked.utc);
+  if (place.is_confirmed())
+    return fmt::format(
+        "{} {:.1f} s ago: {} reports no motion, but the stop is not on record yet{}{}. It is "
+        "written again until it is; no motion is accepted before",
+        place.stop->cause, age_s, place.controller.id, refusal_.empty() ? "" : ": ", refusal_);
   return fmt::format(
       "{} {:.1f} s ago, not confirmed: use the emergency switch. {} has not reported no motion in "
       "two successive answers{}{}. The stop is sent again until it has; no motion is accepted "
@@ -114,7 +130,8 @@ Result<void> StopDesk::check() const {
 std::vector<StopDesk::Unconfirmed> StopDesk::unconfirmed() const {
   std::vector<Unconfirmed> out;
   for (const auto& place : places_)
-    if (place.stop && place.late) out.push_back({place.controller.id, sentence(place)});
+    if (place.stop && place.late && !place.is_confirmed())
+      out.push_back({place.controller.id, sentence(place)});
   return out;
 }
 
@@ -125,11 +142,17 @@ StopAnswer StopDesk::answer() const {
   std::string ids;
   for (const auto& place : places_) {
     ids += (ids.empty() ? "" : ", ") + place.controller.id;
-    if (place.stop && answer.message.empty()) answer.message = sentence(place);
+    if (place.stop && !place.is_confirmed() && answer.message.empty())
+      answer.message = sentence(place);
   }
-  if (answer.confirmed)
-    answer.message = ids.empty() ? "this cell has no motion controller"
-                                 : fmt::format("{}: no motion, in two successive answers", ids);
+  if (!answer.confirmed) return answer;
+  answer.message = ids.empty() ? "this cell has no motion controller"
+                               : fmt::format("{}: no motion, in two successive answers", ids);
+  if (!all_stored() && !refusal_.empty())
+    answer.message += fmt::format(
+        "; the stop is not on record yet: {}; it is written again until it is, no motion is "
+        "accepted before",
+        refusal_);
   return answer;
 }
 
@@ -140,6 +163,8 @@ Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause) {
     if (place.stop) {
       ++place.stop->presses;
       place.stop->cause = cause;
+      if (place.is_confirmed()) place.late = false;
+      place.stop->confirmed = {};
     } else {
       place.stop = StopRecord{{}, place.controller.id, caller.name, caller.peer, cause, now, 1, {}};
       place.late = false;
@@ -147,17 +172,17 @@ Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause) {
     }
     place.stored = false;
   }
-  tasks_.spawn(keep());
+  keep_soon();
   const auto send_by = now.utc + of_wall(kSendWithin), answer_by = now.utc + of_wall(kAnswerWithin);
-  while (!all_stored() && !ending_ && clock_.now().utc < send_by)
+  while (!all_stored() && keeping_ && !ending_ && clock_.now().utc < send_by)
     co_await sleep_unless(clock_, send_by, changed_);
   pressed_.raise();
   for (auto& place : places_)
     if (place.stop) begin_confirming(place);
-  while (pending() && !ending_ && clock_.now().utc < answer_by)
+  while (!is_over() && !ending_ && clock_.now().utc < answer_by)
     co_await sleep_unless(clock_, answer_by, changed_);
   for (auto& place : places_)
-    if (place.stop && !std::exchange(place.late, true))
+    if (place.stop && !place.is_confirmed() && !std::exchange(place.late, true))
       events_.record_own("stop.unconfirmed", sentence(place));
   co_return answer();
 }
@@ -171,9 +196,25 @@ Awaitable<void> StopDesk::send(Place& place) {
   static_cast<void>(co_await place.controller.stop());
 }
 
+// One write is under way at most, and one waits that all further presses share.
+void StopDesk::keep_soon() {
+  keep_again_ = true;
+  if (!std::exchange(keeping_, true)) tasks_.spawn(keep_while_asked());
+}
+
+Awaitable<void> StopDesk::keep_while_asked() {
+  while (std::exchange(keep_again_, false)) co_await keep();
+  keeping_ = false;
+  changed_.raise();
+}
+
 Awaitable<void> StopDesk::keep() {
-  std::vector<StopRecord> stops = records();
+  std::vector<StopRecord> stops;
+  for (const auto& place : places_)
+    if (place.stop && !place.stored) stops.push_back(*place.stop);
+  if (stops.empty()) co_return;
   const auto stored = co_await writer_.stops().keep(stops);
+  refusal_ = stored ? std::string() : stored.error().message;
   for (auto& place : places_)
     for (const auto& stop : stops)
       if (stored && place.stop && stop.controller == place.controller.id &&
@@ -186,18 +227,21 @@ Awaitable<void> StopDesk::confirm(Place& place) {
   double pause_s = kFirstPause_s;
   while (place.stop && !ending_) {
     const auto presses = place.stop->presses;
-    if (!place.stored) {  // the disk was full or slow
-      tasks_.spawn(keep());
-    }
-    const auto sent = co_await place.controller.stop();
-    if (!sent) place.trouble = sent.error().message;
-    bool rests = false;
-    if (sent) rests = co_await at_rest(place);
-    if (rests && place.stop->presses == presses) {
+    if (!place.stored) keep_soon();  // the disk was full or slow
+    if (place.is_confirmed()) {
       co_await end(place);
-      continue;
+    } else {
+      const auto sent = co_await place.controller.stop();
+      if (!sent) place.trouble = sent.error().message;
+      bool rests = false;
+      if (sent) rests = co_await at_rest(place);
+      if (rests && place.stop->presses == presses) {
+        note_rest(place);
+        pause_s = kFirstPause_s;
+        continue;
+      }
     }
-    if (ending_ || place.stop->presses != presses) continue;
+    if (ending_ || !place.stop || place.stop->presses != presses) continue;
     const auto pause = std::max(nanoseconds_from_s(pause_s), of_wall(kLeastPause));
     co_await sleep_unless(clock_, clock_.now().utc + pause, pressed_);
     pause_s = std::min(kLongestPause_s, 2 * pause_s);
@@ -226,24 +270,38 @@ Awaitable<bool> StopDesk::at_rest(Place& place) {
   co_return false;
 }
 
-Awaitable<void> StopDesk::end(Place& place) {
-  const StopRecord stop = *place.stop;
-  const auto now = clock_.now();
-  const auto stored = co_await writer_.stops().confirm(stop, now.utc);
-  if (place.stop->presses != stop.presses) co_return;  // pressed again meanwhile
-  if (!stored)  // a restart sends the stop once more, to an axis that rests
-    events_.record_own("daemon.trouble",
-                       "storing that a stop is confirmed: " + stored.error().message);
+void StopDesk::note_rest(Place& place) {
+  const auto& stop = *place.stop;
+  const auto now = clock_.now().utc;
+  place.stop->confirmed = now;
   if (place.late)  // else the record of the stop says enough
     events_.record_own(
         "stop.confirmed",
         fmt::format("{}: {} reports no motion, {:.2f} s after the first of {} request{}",
-                    stop.cause, place.controller.id, seconds_from(now.utc - stop.asked.utc),
+                    stop.cause, place.controller.id, seconds_from(now - stop.asked.utc),
                     stop.presses, stop.presses == 1 ? "" : "s"));
-  place.stop.reset();
-  if (!pending()) co_await end_orphans();
   changed_.raise();
 }
+
+// Over when it is on record that it was asked for and that it is confirmed. What is not on record
+// would be forgotten by the next start, which would let the queue begin.
+Awaitable<void> StopDesk::end(Place& place) {
+  const auto presses = place.stop->presses;
+  while (keeping_ && !ending_) co_await changed_.wait();
+  if (!place.stored || place.stop->presses != presses || ending_) co_return;
+  const StopRecord stop = *place.stop;
+  const auto stored = co_await writer_.stops().confirm(stop, stop.confirmed);
+  if (place.stop->presses != presses) co_return;  // pressed again meanwhile
+  if (!stored) {
+    refusal_ = stored.error().message;
+    co_return;
+  }
+  place.stop.reset();
+  if (is_over()) co_await end_orphans();
+  changed_.raise();
+}
+
+Awaitable<void> StopDesk::keep_for_the_next_start() { return keep(); }
 
 Awaitable<void> StopDesk::end_orphans() {
   if (orphans_.empty()) co_return;

@@ -1,11 +1,12 @@
 #pragma once
-// Storing for a run that waits while the database takes nothing: a disk that is full or became
-// read-only refuses with resource_exhausted, and the same call succeeds later.
+// Storing for a run that waits while the database takes nothing, for a cause that passes
+// (plumbing/store_refusal.h): the same call succeeds later.
 
 #include <type_traits>
 #include <utility>
 
 #include "server/application/motion/workbench.h"
+#include "server/application/plumbing/store_refusal.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -32,9 +33,9 @@ class DiskWait {
   bool waiting_ = false, no_room_ = false;
 };
 
-// store(): the awaitable of one try; it is called again until the answer is anything but
-// resource_exhausted. Without a run, of a movement by hand, that is an answer too: a person waits
-// for it. Errors: those of the store and of DiskWait.
+// store(): the awaitable of one try; it is called again until the answer is anything but a refusal
+// that passes. Without a run, of a movement by hand, that is an answer too: a person waits for it.
+// Errors: those of the store and of DiskWait.
 template <class Store>
 std::invoke_result_t<Store&> until_stored(RunScope& scope, Store store,
                                           EndsWait ends = EndsWait::whatever_ends_a_step) {
@@ -42,7 +43,7 @@ std::invoke_result_t<Store&> until_stored(RunScope& scope, Store store,
   while (true) {
     auto storing = store();
     auto stored = co_await std::move(storing);
-    if (!stored && scope.run && stored.error().code == ErrorCode::resource_exhausted) {
+    if (!stored && scope.run && may_be_stored_later(stored.error())) {
       auto waiting = wait.next_try(stored.error());
       DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(waiting));
       continue;

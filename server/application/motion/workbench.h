@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/application/motion/run_control.h"
 #include "server/application/plumbing/event_log.h"
@@ -36,6 +37,16 @@ struct Workbench {
   const std::string& boot_id;  // of this start of the computer; empty: not known
 };
 
+// A place that a run's axes reached, until a point stands for it or it is a row of its own
+// (runs/passages.h).
+struct Passage {
+  CellTime in_position;
+  Stamp at;  // in position; the middle of its readings where it was read
+  std::vector<double> commanded_mm, q_mm;
+  std::optional<double> force_n;
+  std::vector<ChannelValue> values;  // empty: no instrument was read there
+};
+
 // One run's view of it.
 struct RunScope {
   Workbench& bench;
@@ -50,6 +61,7 @@ struct RunScope {
   std::optional<CellTime> at_rest = {};
   std::string sides = {};  // from which each axis came where it is: '+', '-', '?'; one per axis
   AxesToMove moved = {};   // by the rows of the run; the others stay at 0
+  std::vector<Passage> passed = {};  // oldest first
 
   // Until the instant, or earlier with an error when the run is aborted or the daemon ends.
   Awaitable<Result<void>> sleep_until(CellTime instant) {

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "server/application/plumbing/store_refusal.h"
 #include "server/core/ports/spawn.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -11,8 +13,8 @@ namespace driftwise::application {
 EventLog::EventLog(asio::any_io_executor executor, Clock& clock, StoreWriter& writer)
     : executor_(executor), clock_(clock), writer_(writer), drained_(executor), hurry_(executor) {}
 
-void EventLog::record(const Caller& who, std::string what, std::string detail,
-                      std::optional<RunId> run, ActChange change) {
+EventLog::Pending EventLog::act_of(const Caller& who, std::string what, std::string detail,
+                                   std::optional<RunId> run, ActChange change) const {
   AuditRecord act;
   act.at = clock_.now();
   act.by = {who.name, who.proof.empty() ? "stated" : who.proof, who.peer};
@@ -22,21 +24,73 @@ void EventLog::record(const Caller& who, std::string what, std::string detail,
   act.before = std::move(change.before);
   act.after = std::move(change.after);
   act.outcome = std::move(change.outcome);
-  push({{{}, act.at, who.name, who.peer, std::move(what), std::move(detail), run}, std::move(act)});
+  return {{{}, act.at, who.name, who.peer, std::move(what), std::move(detail), run},
+          std::move(act),
+          nullptr};
+}
+
+void EventLog::record(const Caller& who, std::string what, std::string detail,
+                      std::optional<RunId> run, ActChange change) {
+  push(act_of(who, std::move(what), std::move(detail), run, std::move(change)));
+}
+
+Awaitable<Result<void>> EventLog::record_first(Caller who, std::string what, std::string detail,
+                                               std::optional<RunId> run, ActChange change) {
+  auto ticket = std::make_shared<Ticket>(executor_);
+  auto pending = act_of(who, std::move(what), std::move(detail), run, std::move(change));
+  pending.ticket = ticket;
+  push(std::move(pending));
+  hurry_.raise();  // what waits for the database waits no longer than this person
+  while (!ticket->result) co_await ticket->answered.wait();
+  co_return *ticket->result;
 }
 
 void EventLog::record_own(std::string what, std::string detail, std::optional<RunId> run) {
-  push({{{}, clock_.now(), "daemon", "", std::move(what), std::move(detail), run}, {}});
+  push({{{}, clock_.now(), "daemon", "", std::move(what), std::move(detail), run}, {}, nullptr});
 }
 
 void EventLog::push(Pending pending) {
   spdlog::info("{}: {} ({})", pending.event.what, pending.event.detail, pending.event.who);
-  if (pending_.size() >= kMaxPending) return;
+  if (pending_.size() >= (pending.act ? kMaxActs : kMaxPending)) {
+    lose(pending, "too many wait for the database");
+    return;
+  }
   pending_.push_back(std::move(pending));
   if (!pumping_) {
     pumping_ = true;
     spawn(executor_, pump());
   }
+}
+
+void EventLog::answer(const Pending& pending, Result<void> result) {
+  if (!pending.ticket) return;
+  pending.ticket->result = std::move(result);
+  pending.ticket->answered.raise();
+}
+
+// Whoever waits for the record is told that the database takes nothing, and does not act.
+void EventLog::refuse_who_waits(const Error& refusal) {
+  for (const auto& pending : pending_) {
+    if (!pending.ticket) continue;
+    spdlog::warn("{} of {} was not done: {}", pending.event.what, pending.event.who,
+                 refusal.message);
+    answer(pending, tl::unexpected(refusal));
+  }
+  std::erase_if(pending_, [](const Pending& pending) { return pending.ticket != nullptr; });
+}
+
+// An act that was not done for want of a record is no loss: who asked for it was told.
+void EventLog::lose(const Pending& pending, const std::string& why) {
+  answer(pending, fail(ErrorCode::resource_exhausted, reasons::kDiskFull,
+                       "the act is not on record and was not done: " + why));
+  if (!pending.act || pending.ticket) {
+    spdlog::warn("event {} not stored: {}", pending.event.what, why);
+    return;
+  }
+  ++lost_acts_;
+  lost_because_ = why;
+  spdlog::error("the act {} of {} is not on record: {}: {}", pending.event.what, pending.event.who,
+                pending.event.detail, why);
 }
 
 Awaitable<Result<EventId>> EventLog::store(const Pending& pending) {
@@ -50,17 +104,23 @@ Awaitable<void> EventLog::pump() {
   while (!pending_.empty()) {
     const auto next = pending_.front();
     auto stored = co_await store(next);
-    if (!stored && stored.error().code == ErrorCode::resource_exhausted && !shutting_down_) {
-      co_await sleep_unless(clock_, clock_.now().utc + kRetry, hurry_);
+    if (!stored && may_be_stored_later(stored.error()) && !shutting_down_) {
+      refuse_who_waits(stored.error());
+      if (!pending_.empty()) co_await sleep_unless(clock_, clock_.now().utc + kRetry, hurry_);
       continue;
     }
     pending_.pop_front();
+    if (!stored && next.ticket) {
+      answer(next, tl::unexpected(stored.error()));
+      continue;
+    }
     auto event = next.event;
     if (stored)
       event.id = *stored;
     else
-      spdlog::error("event {} not stored: {}", event.what, stored.error().message);
+      lose(next, stored.error().message);
     watchers_.publish(event);
+    if (stored) answer(next, {});
   }
   pumping_ = false;
   drained_.raise();

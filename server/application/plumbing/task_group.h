@@ -4,7 +4,10 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/co_spawn.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <exception>
+#include <memory>
 #include <utility>
 
 #include "server/application/plumbing/signal.h"
@@ -44,6 +47,18 @@ class TaskGroup {
 
   Awaitable<void> all_ended() {
     while (count_ > 0) co_await ended_.wait();
+  }
+  // False: some have not ended within this wall time.
+  Awaitable<bool> all_ended_within(std::chrono::milliseconds limit) {
+    asio::steady_timer timer(executor_, limit);
+    const auto is_late = std::make_shared<bool>(false);  // the timer's handler may outlive the wait
+    timer.async_wait([this, is_late](const boost::system::error_code& error) {
+      if (!std::exchange(*is_late, true) && !error) ended_.raise();
+    });
+    while (count_ > 0 && !*is_late) co_await ended_.wait();
+    *is_late = true;
+    timer.cancel();
+    co_return count_ == 0;
   }
   int count() const { return count_; }
 

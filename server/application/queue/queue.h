@@ -81,7 +81,8 @@ class Queue {
   virtual Awaitable<Result<QueueLine>> remove(Caller caller, QueueEntryId id,
                                               std::string reason) = 0;
   virtual Awaitable<Result<QueueHold>> hold(Caller caller, std::string reason) = 0;
-  // Errors: aborted STOPPED_MEANWHILE: it stays held by a stop that came beside.
+  // Errors: aborted STOPPED_MEANWHILE: it stays held by a stop that came beside;
+  // failed_precondition STOP_PENDING: a stop is not confirmed, or not on record yet.
   virtual Awaitable<Result<void>> release(Caller caller) = 0;
   virtual QueueView list() const = 0;
   virtual Result<QueueLine> get(QueueEntryId id) const = 0;

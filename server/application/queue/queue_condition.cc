@@ -211,7 +211,8 @@ ConditionVerdict judge(const QueueCondition& condition, const ConditionRecord& r
   if (!is_lowest && is_beyond(condition, record.newest))
     return {false, fmt::format("{}: {} now", wish, newest)};
   if (condition.span_s == 0) return {true, fmt::format("{}: {} now", wish, newest)};
-  if (record.series.columns.empty()) return {false, wish + ": nothing is recorded"};
+  if (record.series.columns.empty() || !record.series.columns.front().recorded)
+    return {false, wish + ": nothing is recorded"};
   const auto& column = record.series.columns.front();
   if (is_lowest) return judge_lowest(condition, record, column, wish);
   // A channel that is read more seldom than a bucket is long leaves some empty: a gap is longer

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/application/plumbing/run_on.h"
+#include "server/application/plumbing/store_refusal.h"
 #include "server/core/reasons.h"
 #include "server/core/records/state_text.h"
 #include "server/core/try.h"
@@ -21,12 +22,14 @@ bool is_passing(const Error& error) {
                                         reasons::kLeaseRequired, reasons::kLeaseUnknown,
                                         reasons::kRunUnderWay,   reasons::kMoving,
                                         reasons::kStopPending,   reasons::kStoppedMeanwhile};
-  return error.code == ErrorCode::resource_exhausted || error.code == ErrorCode::cancelled ||
+  return may_be_stored_later(error) || error.code == ErrorCode::cancelled ||
          std::ranges::find(passing, error.reason) != std::end(passing);
 }
 
+// The name is known by the entry: how its author was proved stands in the audit of queue.added.
 Caller in_the_name_of(const QueueEntry& entry) {
-  return {entry.created_by, fmt::format("queue entry {}", entry.id.value), {}};
+  std::string by_entry = fmt::format("queue entry {}", entry.id.value);
+  return {entry.created_by, by_entry, by_entry};
 }
 
 }  // namespace
@@ -56,15 +59,8 @@ void QueueDesk::stopped(const Caller& caller, const std::string& cause) {
 }
 
 void QueueDesk::hold_by_stop() {
-  const std::string& cause = last_stop_.why;
   record_.hold = last_stop_;
-  parts_.events.record_own("queue.held", "the queue is held: " + cause);
-  const auto waiting = waiting_in_order(record_.entries).size();
-  if (waiting == 0) return;
-  parts_.alarm({AlarmLevel::notice, "queue.held", "queue",
-                fmt::format("the queue is held: {}: {} of its campaigns wait until a person "
-                            "releases it ('driftwise queue release')",
-                            cause, waiting)});
+  parts_.events.record_own("queue.held", "the queue is held: " + last_stop_.why);
 }
 
 void QueueDesk::look_now() {
@@ -251,7 +247,7 @@ Awaitable<Result<ConditionVerdict>> QueueDesk::look_at(std::string text) {
 Awaitable<void> QueueDesk::begin(QueueEntry entry, bool asked_for) {
   constexpr std::chrono::seconds kLease{60};
   const auto caller = in_the_name_of(entry);
-  const Caller holder{fmt::format("the queue for {}", entry.created_by), caller.peer, {}};
+  const Caller holder{fmt::format("the queue for {}", entry.created_by), caller.peer, caller.proof};
   auto lease = parts_.leases.take(holder, kLease, "", parts_.clock.now().utc);
   if (!lease) {
     refused_[entry.id] = lease.error().message;
@@ -295,7 +291,7 @@ Awaitable<void> QueueDesk::begin(QueueEntry entry, bool asked_for) {
   found->ended = {};
   if (!record_.hold.held) co_return;
   auto pausing =
-      parts_.runs.pause({record_.hold.who, caller.peer, {}}, run->id);  // stopped meanwhile
+      parts_.runs.pause({record_.hold.who, caller.peer, "queue hold"}, run->id);  // meanwhile
   static_cast<void>(co_await std::move(pausing));
 }
 
@@ -340,7 +336,6 @@ Awaitable<void> QueueDesk::put_back(QueueEntry entry, std::string why, bool by_p
     if (!record_.hold.held)
       settled.hold = QueueHold{true, "", fmt::format("{}: {}", text, why), parts_.clock.now().utc};
   }
-  auto subject = fmt::format("queue entry {}", entry.id.value);
   settled.put.push_back(std::move(entry));
   auto changing = change(std::move(settled));
   if (!co_await std::move(changing)) co_return;
@@ -348,9 +343,7 @@ Awaitable<void> QueueDesk::put_back(QueueEntry entry, std::string why, bool by_p
       fmt::format("{}: {}: {}", text, why,
                   sets_aside ? "it is set aside, the next one may start"
                              : "it is back in front and the queue is held until it is released");
-  parts_.events.record_own(sets_aside ? "queue.set_aside" : "queue.failed", detail, run);
-  parts_.alarm({AlarmLevel::warning, sets_aside ? "queue.set_aside" : "queue.failed",
-                std::move(subject), std::move(detail)});
+  parts_.events.record_own(sets_aside ? "queue.set_aside" : "queue.failed", std::move(detail), run);
 }
 
 // From start to start: the first such instant that is still ahead.

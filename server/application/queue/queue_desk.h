@@ -53,7 +53,7 @@ class QueueDesk {
     TaskGroup& tasks;
     asio::any_io_executor background;  // where reports are written
     std::function<bool()> improving;   // an improvement is under way: it moves the robot again
-    std::function<void(AlarmCondition)> alarm;
+    std::function<void(AlarmCondition)> alarm;  // of what is over at once
   };
   QueueDesk(asio::any_io_executor executor, Parts parts);
 
@@ -73,6 +73,8 @@ class QueueDesk {
 
   const std::vector<QueueEntry>& entries() const { return record_.entries; }
   const QueueHold& hold() const { return record_.hold; }
+  std::vector<AlarmCondition> conditions() const { return queue_alarms(record_); }
+  Result<void> check_stops() const { return parts_.stops.check(); }  // errors: STOP_PENDING
   QueueEntryId next_id() const;
   std::int64_t first_place() const;  // of those that wait
   std::int64_t last_place() const;

@@ -87,6 +87,35 @@ void forget_old_entries(std::vector<QueueEntry>& entries, int newest) {
   });
 }
 
+std::vector<AlarmCondition> queue_alarms(const QueueRecord& record) {
+  std::vector<AlarmCondition> alarms;
+  const auto subject = [](const QueueEntry& entry) {
+    return fmt::format("queue entry {}", entry.id.value);
+  };
+  const auto waiting = waiting_in_order(record.entries);
+  if (record.hold.held)
+    for (const auto* entry : waiting)
+      if (!entry->reason.empty())
+        alarms.push_back({AlarmLevel::warning, "queue.failed", subject(*entry),
+                          fmt::format("{}: {}: it is back in front and the queue is held until it "
+                                      "is released",
+                                      entry_text(*entry), entry->reason)});
+  const bool is_told = record.hold.who.empty() && !alarms.empty();  // the hold of that failure
+  if (record.hold.held && !waiting.empty() && !is_told &&
+      !record.hold.why.starts_with(kHeldByPerson))
+    alarms.push_back({AlarmLevel::notice, "queue.held", "queue",
+                      fmt::format("the queue is held: {}: {} of its campaigns wait until a person "
+                                  "releases it ('driftwise queue release')",
+                                  record.hold.why, waiting.size())});
+  for (const auto& entry : record.entries)
+    if (entry.state == QueueState::set_aside)
+      alarms.push_back({AlarmLevel::warning, "queue.set_aside", subject(entry),
+                        fmt::format("{}: {}: it is set aside, the next one may start until a "
+                                    "person moves it back or removes it",
+                                    entry_text(entry), entry.reason)});
+  return alarms;
+}
+
 QueueTurn decide_turn(const QueueSituation& situation) {
   QueueTurn turn;
   std::string running;

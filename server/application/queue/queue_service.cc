@@ -217,10 +217,10 @@ Awaitable<Result<QueueLine>> QueueService::remove(Caller caller, QueueEntryId id
 Awaitable<Result<QueueHold>> QueueService::hold(Caller caller, std::string reason) {
   const auto lock = co_await desk_.turn();
   QueueChange holding;
-  holding.hold =
-      QueueHold{true, caller.name,
-                fmt::format("held by {}{}{}", caller.name, reason.empty() ? "" : ": ", reason),
-                clock_.now().utc};
+  holding.hold = QueueHold{
+      true, caller.name,
+      fmt::format("{}{}{}{}", kHeldByPerson, caller.name, reason.empty() ? "" : ": ", reason),
+      clock_.now().utc};
   const auto before = desk_.hold();
   const auto after = *holding.hold;
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await desk_.change(std::move(holding)));
@@ -233,6 +233,8 @@ Awaitable<Result<void>> QueueService::release(Caller caller) {
   const auto lock = co_await desk_.turn();
   const auto before = desk_.hold();
   if (!before.held) co_return Result<void>{};
+  // A stop that is not on record yet would hold the record's queue again after the release.
+  DRIFTWISE_CO_RETURN_IF_ERROR(desk_.check_stops());
   QueueChange releasing;
   releasing.hold = QueueHold{false, caller.name, "", clock_.now().utc};
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await desk_.change(std::move(releasing)));

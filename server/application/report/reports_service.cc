@@ -10,6 +10,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/application/ports/run_plan.h"
 #include "server/calibration/report/accuracy.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
@@ -47,7 +48,7 @@ Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
     DRIFTWISE_TRY(auto page, store.points().points(run, after, kPointsOfPage));
     for (auto& point : page) {
       after = point.id.value;
-      if (!left_out.contains(after)) points.push_back(std::move(point));
+      if (!left_out.contains(after) && !point.passage) points.push_back(std::move(point));
     }
     if (page.size() < kPointsOfPage) return points;
   }
@@ -242,15 +243,20 @@ Awaitable<formats::ReportedModel> ReportsService::model_of(ModelId id, RunId run
     co_return out;
   }
   const auto& data = residuals->data;
-  out.time_s = data.time_s;
-  if (out.time_s.empty())
-    for (std::size_t row = 0; row < data.rows; ++row)
-      out.time_s.push_back(static_cast<double>(row));
+  std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < data.rows; ++row)
+    if (!is_passage(data, row)) rows.push_back(row);
+  for (const auto row : rows) {
+    out.time_s.push_back(data.time_s.empty() ? static_cast<double>(row) : data.time_s[row]);
     out.check.push_back(data.set_of(row) == PointSet::validation ? 1 : 0);
-  for (const auto& output : residuals->outputs)
+  }
+  for (const auto& output : residuals->outputs) {
+    std::vector<double> values;
+    for (const auto row : rows) values.push_back(output.values[row]);
     out.residuals.push_back({output.channel.symbol,
-                             std::string(summary_unit(output.channel.unit).unit), output.values});
+                             std::string(summary_unit(output.channel.unit).unit),
+                             std::move(values)});
+  }
   co_return out;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -54,15 +53,11 @@ Result<std::vector<Reading>> means_for_memory(Store& store,
                                               CellTime from, CellTime to, int most) {
   std::vector<Reading> out;
   for (const auto& channel : channels) {
-    const auto series = store.series().series({{channel}, from, to, most, {}});
-    if (!series) {
-      if (series.error().reason == reasons::kNoSuchChannel) continue;
-      return tl::unexpected(series.error());
-    }
-    const auto& column = series->columns.front();
+    DRIFTWISE_TRY(const auto series, store.series().series({{channel}, from, to, most, {}}));
+    const auto& column = series.columns.front();
     for (std::size_t b = 0; b < column.count.size(); ++b) {
       const CellTime middle =
-          series->from + series->bucket * static_cast<std::int64_t>(b) + series->bucket / 2;
+          series.from + series.bucket * static_cast<std::int64_t>(b) + series.bucket / 2;
       if (column.count[b] > 0 && from <= middle && middle < to)
         out.push_back({"", middle, middle, 0, {{channel, column.mean[b]}}});
     }

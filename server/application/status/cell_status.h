@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/application/motion/lease_book.h"
@@ -22,6 +23,11 @@ struct LatestValue {
   bool stale = true;
   std::string device;
 };
+
+// Age in s from which a value counts as stale: the one rule of status, alarms, page and command
+// line. device: of the value; nullptr: none of this cell's, like the pose, which belongs to no one
+// device. Nothing: it holds until somebody states another one, as what a person said does.
+std::optional<double> stale_after_s(const DeviceDescription* device, std::string_view device_id);
 
 struct CellStatus {
   std::string name, version, config_hash, web_address;

@@ -25,6 +25,12 @@ OverviewService::OverviewService(Program program, Sources sources)
       pauses_(sources.pauses),
       notify_(sources.notify) {}
 
+std::optional<double> stale_after_s(const DeviceDescription* device, std::string_view device_id) {
+  if (device) return device->max_age_s;
+  if (device_id == kOperatorDevice) return std::nullopt;
+  return DeviceDescription{}.max_age_s;
+}
+
 CellStatus OverviewService::status() const {
   CellStatus status;
   status.name = description_.name;
@@ -41,12 +47,9 @@ CellStatus OverviewService::status() const {
     const auto* device = description_.find_device(latest.device);
     const bool never = latest.at.utc_ns == 0;
     const double age_s = never ? 0 : seconds_from(status.now.utc - latest.at);
-    // What a person said holds until he says something else; the pose belongs to no one device.
-    const double max_age_s = device                             ? device->max_age_s
-                             : latest.device == kOperatorDevice ? age_s
-                                                                : DeviceDescription{}.max_age_s;
-    status.values.push_back(
-        {*channel, latest.value, latest.at, age_s, never || age_s > max_age_s, latest.device});
+    const auto limit_s = stale_after_s(device, latest.device);
+    status.values.push_back({*channel, latest.value, latest.at, age_s,
+                             never || (limit_s && age_s > *limit_s), latest.device});
   }
   if (engine_.busy()) status.run = engine_.progress();
   status.lease = leases_.present(status.now.utc);

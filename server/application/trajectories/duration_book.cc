@@ -50,7 +50,8 @@ Result<std::vector<CellTime>> instants_of_continuing(Store& store, const RunReco
   }
 }
 
-Result<RunSteps> recorded_steps(Store& store, const RunRecord& run) {
+Result<RunSteps> recorded_steps(Store& store, const RunRecord& listed) {
+  DRIFTWISE_TRY(const auto run, store.runs().run(listed.id));  // a list has no trajectories
   DRIFTWISE_TRY(const auto trajectory,
                 formats::read_trajectory_csv(run.trajectory_text, run.trajectory_name));
   DRIFTWISE_TRY(const auto plan, read_run_plan(run.rules_json));

@@ -144,21 +144,33 @@ void check_speed(TomlReader& clock, const CellDescription& cell) {
 }
 
 // A force by a voltage belongs to an axis of the cell, and is not the one that hangs there.
-void check_force_of_sensor(TomlReader& top, const DeviceDescription& device,
+void check_force_of_sensor(TomlReader& reader, const DeviceDescription& device,
                            const CellDescription& cell) {
   if (const auto& motor = device.voltages.motor;
       motor && !motor->axis.symbol.empty() && cell.find_axis(motor->axis.name()) == nullptr)
-    top.refuse("device", reasons::kBadChannel,
-               "device " + shown(device.id) + ", axis: found " + shown(motor->axis.name()) +
-                   ", which no controller of this cell moves; expected the axis of the motor");
+    reader.refuse("axis", reasons::kBadChannel,
+                  "found " + shown(motor->axis.name()) +
+                      ", which no controller of this cell moves; expected the axis of the motor");
   const auto hanging = cell.force_channel();
   for (const auto& quantity : device.quantities())
     if (hanging && quantity.channel == *hanging)
-      top.refuse("device", reasons::kDuplicateChannel,
-                 "device " + shown(device.id) + ", channel: found " +
-                     shown(quantity.channel.name()) +
-                     ", which is the force that [load] knows; expected another name, such as " +
-                     "measured_force_N, or no [load]");
+      reader.refuse("channel", reasons::kDuplicateChannel,
+                    "found " + shown(quantity.channel.name()) +
+                        ", which is the force that [load] knows; expected another name, such as " +
+                        "measured_force_N, or no [load]");
+}
+
+void check_drift_channel(TomlReader& reader, const DeviceDescription& device,
+                         const CellDescription& cell) {
+  const auto* length = device.length();
+  if (length == nullptr || length->drift_channel.symbol.empty()) return;
+  for (const auto& other : cell.devices)
+    if (std::ranges::find(other.probes(), length->drift_channel, &ProbeDescription::channel) !=
+        other.probes().end())
+      return;
+  reader.refuse("drift_channel", reasons::kBadChannel,
+                "found " + shown(length->drift_channel.name()) +
+                    ", which no probe of this cell reads; expected a thermometer of the cell");
 }
 
 void read_file(const toml::table& root, CellDescription& out, TomlProblem& problem) {
@@ -233,20 +245,11 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
     top.refuse("load", reasons::kMissingKey,
                "found no [load] section beside the load actuator " + shown(actuator->id) +
                    ", expected one with max_n, the largest force it may ever apply");
-  for (const auto& device : out.devices) check_force_of_sensor(top, device, out);
-  for (const auto& device : out.devices) {
-    const auto* length = device.length();
-    if (length == nullptr || length->drift_channel.symbol.empty()) continue;
-    const bool is_read = std::ranges::any_of(out.devices, [&](const DeviceDescription& other) {
-      return std::ranges::any_of(other.probes(), [&](const ProbeDescription& probe) {
-        return probe.channel == length->drift_channel;
-      });
-    });
-    if (!is_read)
-      top.refuse("device", reasons::kBadChannel,
-                 "device " + shown(device.id) + ", drift_channel: found " +
-                     shown(length->drift_channel.name()) +
-                     ", which no probe of this cell reads; expected a thermometer of the cell");
+  const auto tables = top.tables("device");
+  for (std::size_t i = 0; i < out.devices.size() && i < tables.size(); ++i) {
+    TomlReader reader(*tables[i], "device " + std::to_string(i + 1), problem);
+    check_force_of_sensor(reader, out.devices[i], out);
+    check_drift_channel(reader, out.devices[i], out);
   }
   check_speed(speed, out);
 }

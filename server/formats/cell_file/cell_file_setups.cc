@@ -80,6 +80,24 @@ void read_confirmation(TomlReader&& reader, const CellDescription& cell, SetupDe
   setup.confirmations.push_back(std::move(one));
 }
 
+// A length reads 0 at the zero, where every return is compared with the one before. A range without
+// that place has no return to compare. Rotations count from wherever their instrument stands.
+void check_zero_is_inside(TomlReader& reader, const SetupCoordinate& coordinate) {
+  if (coordinate.channel.symbol.empty() || is_angle(coordinate.channel.unit)) return;
+  const double at_zero = coordinate.offset;  // scale * 0 + offset
+  const char* key = coordinate.min && at_zero < *coordinate.min   ? "min"
+                    : coordinate.max && at_zero > *coordinate.max ? "max"
+                                                                  : nullptr;
+  if (key == nullptr) return;
+  const std::string& unit = coordinate.channel.unit;
+  reader.refuse(key, reasons::kBadSetup,
+                "found " + number_text(key[1] == 'i' ? *coordinate.min : *coordinate.max) + " " +
+                    unit + ", which leaves out the zero of " + shown(coordinate.channel.name()) +
+                    " (" + number_text(at_zero) + " " + unit +
+                    " after scale and offset), expected a range with it: at the zero the length " +
+                    "must be measured, or no return is compared");
+}
+
 void read_coordinate(TomlReader&& reader, const CellDescription& cell, SetupDescription& setup) {
   SetupCoordinate coordinate;
   reader.robot_channel("channel", coordinate.channel, Need::required);
@@ -99,6 +117,7 @@ void read_coordinate(TomlReader&& reader, const CellDescription& cell, SetupDesc
     reader.refuse("min", reasons::kBadSetup,
                   "found min = " + number_text(*coordinate.min) + " and max = " +
                       number_text(*coordinate.max) + ", expected min to be the lower one");
+  check_zero_is_inside(reader, coordinate);
   if (std::ranges::find(setup.coordinates, coordinate.channel, &SetupCoordinate::channel) !=
       setup.coordinates.end())
     reader.refuse("channel", reasons::kDuplicateChannel,

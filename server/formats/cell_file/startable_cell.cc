@@ -66,13 +66,13 @@ class StartCheck {
     check_roles();
     for (std::size_t i = 0; i < devices_.size() && i < cell_.devices.size(); ++i) check_outputs(i);
     if (kinematics_ != nullptr && cell_.kinematics)
-      check_poses(*kinematics_, "kinematics", *cell_.kinematics, "");
+      check_geometry(*kinematics_, "kinematics", *cell_.kinematics,
+                     cell_.robots.empty() ? nullptr : &cell_.robots.front());
     for (std::size_t i = 0; i < robots_.size() && i < cell_.robots.size(); ++i) {
       const auto* table = (*robots_[i])["kinematics"].as_table();
       if (table != nullptr && cell_.robots[i].kinematics)
-        check_poses(*table, "robot " + std::to_string(i + 1) + ", kinematics",
-                    *cell_.robots[i].kinematics,
-                    cell_.has_several_robots() ? cell_.robots[i].id + "." : "");
+        check_geometry(*table, "robot " + std::to_string(i + 1) + ", kinematics",
+                       *cell_.robots[i].kinematics, &cell_.robots[i]);
     }
   }
 
@@ -186,6 +186,42 @@ class StartCheck {
     if (!has_parts)
       take(i, reader, "address", "", found_address(device),
            device.channels.empty() ? device.id : device.channels.front().name());
+  }
+
+  // robot: whose geometry it is; nullptr: no controller moves it.
+  void check_geometry(const toml::table& table, const std::string& place,
+                      const KinematicsDescription& kinematics, const RobotDescription* robot) {
+    const std::string prefix =
+        robot != nullptr && cell_.has_several_robots() ? robot->id + "." : "";
+    if (robot != nullptr) {
+      check_motors(table, place, "axis", kinematics.axes, *robot, prefix);
+      check_motors(table, place, "branch", kinematics.branches, *robot, prefix);
+      check_motors(table, place, "link", kinematics.links, *robot, prefix);
+    }
+    check_poses(table, place, kinematics, prefix);
+  }
+
+  // A motor that no axis is has no readback, so nothing would ever be compared with the geometry.
+  // Joints of an arm turn, and an axis of a cell is a length: their geometry serves targets only.
+  template <class Parts>
+  void check_motors(const toml::table& table, const std::string& place, const char* key,
+                    const Parts& parts, const RobotDescription& robot, const std::string& prefix) {
+    TomlReader reader(table, place, problem_);
+    const auto tables = reader.tables(key);
+    for (std::size_t k = 0; k < tables.size() && k < parts.size(); ++k) {
+      if (is_angle(parts[k].motor.unit)) continue;
+      const std::string motor = prefix + parts[k].motor.name();
+      if (std::ranges::find(robot.axes, motor, &Channel::name) != robot.axes.end()) continue;
+      std::string names;
+      for (const auto& axis : robot.axes)
+        names += (names.empty() ? "" : ", ") + axis.name().substr(prefix.size());
+      TomlReader(*tables[k], place + ", " + key + " " + std::to_string(k + 1), problem_)
+          .refuse("motor", reasons::kUnknownAxis,
+                  "found " + shown(parts[k].motor.name()) + ", which controller " +
+                      shown(robot.controller) + " does not move" +
+                      (prefix.empty() ? "" : " for robot " + shown(robot.id)) +
+                      ", expected one of " + names + ": the geometry would test no reading");
+    }
   }
 
   void check_poses(const toml::table& table, const std::string& place,

@@ -1,6 +1,8 @@
 #pragma once
-// A stop that no daemon was there to take: the file that `driftwise stop` leaves beside
-// driftwised.json. The next start of the daemon makes it a pending stop.
+// A stop that no daemon was there to take. The file that `driftwise stop` leaves beside
+// driftwised.json is of the cell: its daemon makes it a pending stop when it starts or answers
+// again. The one that `driftwise restore` leaves beside a record is of that record alone, and of
+// the next start of a daemon that has it as its database.
 
 #include <string>
 #include <string_view>
@@ -9,8 +11,11 @@ namespace driftwise::formats {
 
 inline constexpr const char* kKeptStopFile = "driftwised.stop";
 
+// "look.db.stop": of one record, whatever cell's folder it lies in.
+inline std::string kept_stop_of_record(const std::string& database) { return database + ".stop"; }
+
 struct KeptStop {
-  std::string who;    // as the client stated it
+  std::string who;    // as the client stated it; of a record, what it was restored from and by whom
   std::string asked;  // UTC by the client's clock, ISO 8601
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
@@ -66,7 +67,8 @@ std::string row_ranges_text(const std::vector<std::int64_t>& rows) {
 std::string exclusions_hash(const Dataset& dataset) {
   std::vector<std::int64_t> rows;
   for (std::size_t row = 0; row < dataset.rows; ++row)
-    if (dataset.is_excluded(row)) rows.push_back(static_cast<std::int64_t>(row));
+    if (dataset.is_excluded(row) && !is_passage(dataset, row))
+      rows.push_back(static_cast<std::int64_t>(row));
   return rows.empty() ? std::string() : content_hash(row_ranges_text(rows));
 }
 

@@ -20,7 +20,8 @@ Result<std::vector<std::int64_t>> parse_row_ranges(std::string_view text);
 std::string row_ranges_text(const std::vector<std::int64_t>& rows);
 
 // Which rows of a dataset are excluded, as content_hash of their row_ranges_text (rows counted from
-// 0 over the dataset); "" when none is. A file and the runs that it was exported from agree.
+// 0 over the dataset); "" when none is. Passages are part of a run and count as none. A file and
+// the runs that it was exported from agree.
 std::string exclusions_hash(const Dataset& dataset);
 
 }  // namespace driftwise::formats

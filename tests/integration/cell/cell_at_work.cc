@@ -73,7 +73,7 @@ nlohmann::json CellAtWork::end_of(std::int64_t number) const {
 
 void CellAtWork::wait_for_points(std::int64_t wanted) const {
   wait_until(std::to_string(wanted) + " points",
-             [&] { return count("SELECT count(*) FROM point") >= wanted; });
+             [&] { return count("SELECT count(*) FROM planned_point") >= wanted; });
 }
 
 std::int64_t CellAtWork::events(const std::string& what) const {

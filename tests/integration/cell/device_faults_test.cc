@@ -28,7 +28,7 @@ class DeviceFaults : public testing::Test {
   void expect_whole() {
     EXPECT_EQ(ended.at("state"), "done") << ended << cell.daemon_log();
     EXPECT_EQ(ended.at("accepted_count"), kRunRows);
-    EXPECT_EQ(cell.count("SELECT count(DISTINCT trajectory_row) FROM point"), kRunRows);
+    EXPECT_EQ(cell.count("SELECT count(DISTINCT trajectory_row) FROM planned_point"), kRunRows);
   }
 
   CellAtWork cell;
@@ -67,7 +67,8 @@ TEST_F(DeviceFaults, ARunOutlastsASilentScanner) {
   expect_whole();
   EXPECT_GE(device(cell, "scanner").at("error_count").get<int>(), 1);
   // No point without its temperatures, however long that took.
-  EXPECT_EQ(cell.count("SELECT count(*) FROM point_wide WHERE t05_degC IS NULL"), 0);
+  EXPECT_EQ(cell.count("SELECT count(*) FROM point_wide WHERE is_passage = 0 AND t05_degC IS NULL"),
+            0);
 }
 
 TEST_F(DeviceFaults, ADisturbedGroupIsReadAgainAndStaysOnRecord) {

@@ -21,7 +21,7 @@ TEST(Ending, InTheMiddleOfARunIsOrderlyAndTheRestartGoesOn) {
   EXPECT_THAT(cell.daemon_log(), HasSubstr("shutting down"));
   EXPECT_EQ(cell.sql("SELECT state FROM run_progress"), "waiting");
   EXPECT_EQ(cell.cli({"status"}).code, 4);
-  const auto points_before = cell.count("SELECT count(*) FROM point");
+  const auto points_before = cell.count("SELECT count(*) FROM planned_point");
   EXPECT_LT(points_before, 48);
 
   cell.start_daemon();

@@ -66,8 +66,8 @@ TEST_F(SeveralRobotsOnTheWire, MoveAndGoOnAfterAKill) {
   cell.kill_daemon();
   cell.start_daemon();
   EXPECT_EQ(cell.end_of(run).at("state"), "done");
-  EXPECT_EQ(cell.count("SELECT count(*) FROM point"), 12);
-  EXPECT_EQ(cell.count("SELECT count(DISTINCT trajectory_row) FROM point"), 12);
+  EXPECT_EQ(cell.count("SELECT count(*) FROM planned_point"), 12);
+  EXPECT_EQ(cell.count("SELECT count(DISTINCT trajectory_row) FROM planned_point"), 12);
   EXPECT_GE(cell.count("SELECT count(*) FROM datum"), 2);
   const auto table = cell.say({"data", "export", std::to_string(run)});
   for (const char* column : {"ma.q1_mm", "mn.q1_mm", "mn.q2_mm", "mn.x_mm", "t04_degC"})

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
@@ -111,6 +112,22 @@ TEST_F(StopOnTheWire, AStopThatWasKeptIsTakenByADaemonThatRuns) {
   expect_halted_for_good();
   EXPECT_EQ(cell.run(run).at("hold").at("who"), "bob");
   EXPECT_FALSE(std::filesystem::exists(cell.folder() + "/driftwised.stop"));
+}
+
+// A restored copy that somebody looks at beside the cell, and the cell's own record.
+TEST_F(StopOnTheWire, AStopOfARecordIsOfItsOwnNextStart) {
+  const std::string stop = R"({"who": "the restore of x.db by root", "asked": ""})";
+  const std::string other = cell.folder() + "/look.db.stop", own = cell.database() + ".stop";
+  for (const auto& path : {other, own}) std::ofstream(path) << stop;
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));  // two looks of the daemon
+  EXPECT_NE(cell.state_of(run), "paused");
+  EXPECT_EQ(cell.events("stop"), 0);
+  cell.kill_daemon();
+  cell.start_daemon();
+  expect_halted_for_good();
+  EXPECT_EQ(cell.run(run).at("hold").at("who"), "the restore of x.db by root");
+  EXPECT_FALSE(std::filesystem::exists(own));
+  EXPECT_TRUE(std::filesystem::exists(other));
 }
 
 }  // namespace

@@ -279,9 +279,9 @@ def record(cell):
     code, said = cell.verify("--head", head)
     check(code == 1, "entries and rows that were dropped at the end are found")
     shutil.copy(path + ".before", path)
-    later = ("indentation", "repeated_point", "closure_coordinate", "closure", "rest", "time_note", "plan_promotion", "plan_model", "plan", "telling", "receiver", "alarm_shelf", "queue_run", "queue_result", "queue_hold", "queue_entry", "run_metadata",
+    later = ("passage", "indentation", "repeated_point", "closure_coordinate", "closure", "rest", "time_note", "plan_promotion", "plan_model", "plan", "telling", "receiver", "alarm_shelf", "queue_run", "queue_result", "queue_hold", "queue_entry", "run_metadata",
              "thinned_value", "thinning", "chain", "audit")  # tables that version 6 did not have
-    cell.sql("DROP TRIGGER point_once; " + "".join(f"DROP TABLE {table}; " for table in later) + "PRAGMA user_version = 6")
+    cell.sql("DROP TRIGGER point_once; DROP VIEW planned_point; " + "".join(f"DROP TABLE {table}; " for table in later) + "PRAGMA user_version = 6")
     cell.start()
     check(cell.cli("audit", "verify").returncode == 0, "a chain that is begun anew by an older version is whole in itself")
     check(cell.cli("audit", "verify", "--head", head).returncode == 1, "and the kept head finds it")

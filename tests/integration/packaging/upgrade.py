@@ -161,7 +161,7 @@ def inside():
     check(rows("SELECT state FROM run_progress WHERE run_id = 1") == [("done",)], "a run was measured")
     for name in ("first", "second", "third"):
         ask("queue", "add", "/tmp/%s.csv" % name, "--name", name)
-    until("the second of three campaigns has points", lambda: rows("SELECT count(*) FROM point WHERE run_id = 3")[0][0] >= 4)
+    until("the second of three campaigns has points", lambda: rows("SELECT count(*) FROM planned_point WHERE run_id = 3")[0][0] >= 4)
     version = rows("PRAGMA user_version")[0][0]
     told = rows("SELECT point_id, run_id, trajectory_row, measured_ns FROM point ORDER BY point_id")
 
@@ -181,7 +181,7 @@ def inside():
 
     until("the queue is done", lambda: rows("SELECT count(*) FROM queue_entry WHERE state = 'done'")[0][0] == 3, 300)
     for run, wanted in ((2, 12), (3, 48), (4, 12)):
-        found = rows("SELECT trajectory_row, count(*) FROM point WHERE run_id = %d GROUP BY trajectory_row" % run)
+        found = rows("SELECT trajectory_row, count(*) FROM planned_point WHERE run_id = %d GROUP BY trajectory_row" % run)
         check(len(found) == wanted and all(count == 1 for _, count in found), "run %d has each of its %d rows once" % (run, wanted))
     after = rows("SELECT point_id, run_id, trajectory_row, measured_ns FROM point ORDER BY point_id")
     check(after[:len(told)] == told, "no point of before has changed")

@@ -420,7 +420,7 @@ def main(folder):
         say("monday")
         for name, rows in counts.items():
             run = run_of(weekend, entries[name])
-            found = weekend.rows("SELECT trajectory_row, count(*) FROM point WHERE run_id = %d GROUP BY trajectory_row" % run)
+            found = weekend.rows("SELECT trajectory_row, count(*) FROM planned_point WHERE run_id = %d GROUP BY trajectory_row" % run)
             check(len(found) == rows and all(count == 1 for _, count in found),
                   "%s has each of its %d rows once" % (name, rows))
         runs = weekend.ask(["run", "list", "--meta", "weekend=47"])["runs"]

@@ -1,5 +1,6 @@
 // driftwise audit: by the daemon and on a file, and what it says of a record that was changed.
 
+#include "server/formats/text/kept_stop.h"
 #include "storage/sqlite/database.h"
 #include "tests/unit/cli/cli_fixture.h"
 
@@ -55,9 +56,13 @@ TEST_F(AuditCommands, BackupIsRestoredElsewhereAndNeverOverARecord) {
   EXPECT_EQ(copy["head"]["hash"].get<std::string>().size(), 64U);
   const std::string back = folder.path() + "/back.db";
   const auto restored = run({"restore", copy["path"], "--database", back});
-  // A run of the copy, and what waits in its queue, begin again when a person says so.
-  EXPECT_TRUE(
-      std::filesystem::exists(std::filesystem::path(back).parent_path() / "driftwised.stop"));
+  // A run of the copy, and what waits in its queue, begin again when a person says so; a cell whose
+  // folder this is goes on.
+  EXPECT_FALSE(std::filesystem::exists(folder.path() + "/driftwised.stop"));
+  std::ifstream kept(formats::kept_stop_of_record(back));
+  EXPECT_EQ(
+      formats::read_kept_stop(std::string(std::istreambuf_iterator<char>(kept), {})).who,
+      "the restore of " + std::filesystem::path(copy["path"]).filename().string() + " by ada");
   EXPECT_EQ(restored.exit, 0) << restored.err;
   EXPECT_THAT(restored.out, HasSubstr("restored " + back));
   EXPECT_EQ(run({"audit", "verify", "--database", back}).exit, 0);

@@ -115,11 +115,9 @@ TEST(Reasons, AreEachMadeSomewhere) {
 }
 
 TEST(Reasons, HaveTheRecoveryOfTheirLine) {
-  const std::map<std::string, Recovery> recoveries = {{"by_code", Recovery::by_code},
-                                                      {"leave", Recovery::leave},
-                                                      {"abort", Recovery::abort},
-                                                      {"new_datum", Recovery::new_datum},
-                                                      {"fail", Recovery::fail}};
+  const std::map<std::string, Recovery> recoveries = {
+      {"by_code", Recovery::by_code},     {"leave", Recovery::leave}, {"abort", Recovery::abort},
+      {"new_datum", Recovery::new_datum}, {"fail", Recovery::fail},   {"hold", Recovery::hold}};
   for (const auto& row : table())
     EXPECT_EQ(recovery_of(row.name), recoveries.at(row.recovery)) << row.name;
   EXPECT_EQ(recovery_of("MADE_ELSEWHERE"), Recovery::by_code);

@@ -24,7 +24,7 @@ class Operators : public testing::Test {
   }
   void expect_still() {
     const auto moves = cell.count("SELECT count(*) FROM move");
-    const auto points = cell.count("SELECT count(*) FROM point");
+    const auto points = cell.count("SELECT count(*) FROM planned_point");
     const auto scans = [&] {
       return cell.count(
           "SELECT count(*) FROM reading JOIN device USING (device_id) "
@@ -33,7 +33,7 @@ class Operators : public testing::Test {
     const auto before = scans();  // the recorder goes on meanwhile
     wait_until("three more scans", [&] { return scans() >= before + 3; });
     EXPECT_EQ(cell.count("SELECT count(*) FROM move"), moves);
-    EXPECT_EQ(cell.count("SELECT count(*) FROM point"), points);
+    EXPECT_EQ(cell.count("SELECT count(*) FROM planned_point"), points);
   }
   void wait_for_state(const std::string& state) {
     wait_until("state " + state, [&] { return cell.state_of(1) == state; });
@@ -60,7 +60,7 @@ TEST_F(Operators, TheSecondMayPauseResumeAndAbort) {
   expect_still();
   EXPECT_EQ(bob({"run", "resume", "1", "--yes"}).code, 0);
   wait_for_state("running");
-  cell.wait_for_points(cell.count("SELECT count(*) FROM point") + 2);
+  cell.wait_for_points(cell.count("SELECT count(*) FROM planned_point") + 2);
   EXPECT_EQ(bob({"run", "abort", "1", "--reason", "lunch"}).code, 0);
   EXPECT_EQ(ada->wait(std::chrono::seconds(30)), 5) << "the watch says that the run was aborted";
   const auto ended = cell.run(1);
@@ -79,7 +79,7 @@ TEST_F(Operators, AnybodyStopsEverything) {
   EXPECT_THAT(cell.run(1).at("reason").get<std::string>(), HasSubstr("stopped by bob"));
   expect_still();
   // It goes on with the row it was at, as after a pause.
-  const auto points = cell.count("SELECT count(*) FROM point");
+  const auto points = cell.count("SELECT count(*) FROM planned_point");
   EXPECT_EQ(cell.refusal({"--operator", "ada", "run", "resume", "1", "--yes"}).at("reason"),
             "STOPPED_BY_ANOTHER");
   EXPECT_EQ(cell.count("SELECT count(*) FROM event WHERE what = 'stop' AND run_id = 1"), 1)

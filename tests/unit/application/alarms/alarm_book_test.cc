@@ -254,6 +254,18 @@ TEST_F(AlarmBookTest, OneThatFlickersOnAFullDiskIsOneAlarm) {
   EXPECT_NE(standing()[0].cleared.utc_ns, 0);
 }
 
+TEST_F(AlarmBookTest, TwoThatAreOverAtOnceOnAFullDiskAreTwo) {
+  store->disk.full = true;
+  done(book->note({AlarmLevel::warning, "queue.failed", "queue entry 3", "the door was open"}));
+  done(book->note({AlarmLevel::warning, "queue.failed", "queue entry 3", "the beam was lost"}));
+  EXPECT_EQ(book->unstored().size(), 2u);
+  store->disk.full = false;
+  look({});
+  EXPECT_THAT(book->unstored(), IsEmpty());
+  ASSERT_EQ(standing().size(), 2u);
+  EXPECT_NE(standing()[0].message, standing()[1].message);
+}
+
 TEST_F(AlarmBookTest, TellsConsequencesAtOnceAndNumbersNowAndThen) {
   AlarmCondition old{AlarmLevel::warning, "channel.stale", "t01_degC", "t01_degC is 31 s old"};
   look({old});

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/unit/application/diagnosis/diagnosed_cell.h"
 
 namespace driftwise::tests {
@@ -42,6 +44,24 @@ TEST(DiagnosisDesk, StoresWhatWasFoundAndSaysSo) {
   EXPECT_THAT(steps, ElementsAre("waiting for its turn", "looking for a cause in q1", "done"));
   EXPECT_THAT(d.cell.events_named("diagnosis.done").at(0), HasSubstr("geometry_order x"));
   EXPECT_EQ(d.cell.await(d.cell->diagnoses.list())->size(), 1u);
+}
+
+TEST(DiagnosisDesk, StandsInTheAuditWithWhatProvedWhoBeganIt) {
+  DiagnosedCell d(finds_a_bend);
+  application::DiagnosisRequest request;
+  request.runs = {d.measured(kPlan)};
+  request.baseline = "q ~ x";
+  const application::Caller carl{"carl", "ipv4:10.0.0.2:1 (token k3f9)", "token k3f9"};
+  const auto begun = d.cell.await(d.cell->diagnoses.create(carl, std::move(request)));
+  ASSERT_TRUE(begun);
+  d.cell.until([&] { return d.look(begun->record.id).record.state != JobState::running; });
+  const auto acts =
+      d.cell.await(d.cell.read([](Store& store) { return store.audit().acts(0, 100); })).value();
+  const auto act = std::ranges::find(acts, "diagnosis.started", &AuditRecord::what);
+  ASSERT_NE(act, acts.end());
+  EXPECT_EQ(act->by.name, "carl");
+  EXPECT_EQ(act->by.proof, "token k3f9");
+  EXPECT_EQ(act->by.from, carl.peer);
 }
 
 TEST(DiagnosisDesk, WhoWatchesTheRecordIsCalledForItsEndAndFindsItThere) {

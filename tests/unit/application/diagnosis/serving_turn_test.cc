@@ -13,7 +13,7 @@ namespace {
 
 using effects::AppliesTo;
 
-const application::Caller kBob{"bob", "ipv4:127.0.0.1:5021"};
+const application::Caller kBob{"bob", "ipv4:127.0.0.1:5021", {}};
 constexpr int kMostSteps = 12;  // of the executor, between the beginnings of two changes
 
 // A campaign with two models and a diagnosis; the first model serves.

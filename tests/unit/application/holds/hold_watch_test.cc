@@ -73,6 +73,25 @@ TEST_F(HoldWatchTest, NoFreshValueIsAsOneBeyondTheLimit) {
   EXPECT_EQ(at(661, 20), Phase::clear);
 }
 
+TEST_F(HoldWatchTest, OnlyMeasuredValuesDoWhatCannotBeTakenBack) {
+  const auto is_certain = [this](double s) {
+    return watch_.is_measured_beyond(kBegin + nanoseconds_from_s(s));
+  };
+  at(0, 20);
+  at(1, std::nullopt);
+  EXPECT_EQ(at(100, std::nullopt), Phase::holding);
+  EXPECT_FALSE(is_certain(100)) << "nobody knows whether the limit is exceeded";
+  EXPECT_EQ(at(101, 21), Phase::holding);
+  EXPECT_FALSE(is_certain(101)) << "measured for less than for_s";
+  at(140, std::nullopt);
+  at(161, 21);
+  EXPECT_TRUE(is_certain(161));
+  at(162, std::nullopt);
+  EXPECT_FALSE(is_certain(162));
+  EXPECT_EQ(at(163, 20.4), Phase::holding);
+  EXPECT_FALSE(is_certain(163)) << "it holds until it has settled, and is within its limit";
+}
+
 TEST_F(HoldWatchTest, TheFirstValueEverNeedsNoSettling) {
   EXPECT_EQ(at(0, std::nullopt, HoldWatch::Look::before_motion), Phase::holding);
   EXPECT_EQ(at(5, 20), Phase::clear);

@@ -212,10 +212,14 @@ TEST_F(Holds, ALimitThatIsSetAsideSuspendsNothingAndIsOnRecord) {
   begin_and_accept(cell, 2);
   world.support_set_degc = 25;
   until_it_waits(cell);
-  EXPECT_EQ(cell->holds.set_aside(cell.ada, "room", 60, "why").error().reason, "NO_SUCH_HOLD");
-  EXPECT_EQ(cell->holds.set_aside(cell.ada, "support", 60, " ").error().reason, "REASON_MISSING");
-  EXPECT_EQ(cell->holds.set_aside(cell.ada, "support", 1e9, "why").error().reason, "BAD_DURATION");
-  const auto aside = cell->holds.set_aside(cell.ada, "support", 36'000, "the fan is being mended");
+  EXPECT_EQ(cell.await(cell->holds.set_aside(cell.ada, "room", 60, "why")).error().reason,
+            "NO_SUCH_HOLD");
+  EXPECT_EQ(cell.await(cell->holds.set_aside(cell.ada, "support", 60, " ")).error().reason,
+            "REASON_MISSING");
+  EXPECT_EQ(cell.await(cell->holds.set_aside(cell.ada, "support", 1e9, "why")).error().reason,
+            "BAD_DURATION");
+  const auto aside =
+      cell.await(cell->holds.set_aside(cell.ada, "support", 36'000, "the fan is being mended"));
   ASSERT_TRUE(aside);
   EXPECT_EQ(aside->aside_by, "ada");
   expect_every_row_once(cell, cell.finish_run());
@@ -275,6 +279,21 @@ TEST_F(Holds, ALowBatteryEndsTheDaemonOnceAndTheRunGoesOnWithTheNextStart) {
   CellInMemory cell{world, description, kSqlite, later};
   cell.until([&] { return cell.status().run.has_value(); }, 300);
   expect_every_row_once(cell, cell.finish_run());
+}
+
+TEST_F(Holds, AMissingValueSuspendsARunAndEndsNoDaemon) {
+  int asked = 0;
+  CellInMemory cell{world, cell_with(folder / "cell.sqlite", HoldAction::end_daemon), kSqlite,
+                    CellInMemory::Further{.end_daemon = [&asked] { ++asked; }}};
+  begin_and_accept(cell, 3);
+  world.support_away = true;
+  until_it_waits(cell);
+  EXPECT_THAT(run(cell).reason, HasSubstr("support_degC has no fresh value"));
+  cell.pass(7200);
+  EXPECT_EQ(asked, 0);
+  world.support_away = false;
+  expect_every_row_once(cell, cell.finish_run());
+  EXPECT_EQ(asked, 0);
 }
 
 TEST_F(Holds, WithoutRulesNothingIsListed) {

@@ -134,7 +134,7 @@ TEST_F(Jogging, AStopEndsIt) {
   const auto jog = begin({"q1_mm", 0.5, true});
   ASSERT_TRUE(jog);
   hold_for(jog->id, 0.2);
-  static_cast<void>(cell.await(cell->manual.stop_all({"bob", "ipv4:127.0.0.1:9"})));
+  static_cast<void>(cell.await(cell->manual.stop_all({"bob", "ipv4:127.0.0.1:9", {}})));
   cell.pass(0.5);
   const auto over = sign(jog->id);
   EXPECT_TRUE(over.over);

@@ -2,14 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <type_traits>
+
 #include "server/application/cell/cell.h"
 
 namespace driftwise::application {
 namespace {
 
 using std::chrono::seconds;
-const Caller kAda{"ada", "ipv4:127.0.0.1:1"}, kBob{"bob", "ipv4:127.0.0.1:2"};
+const Caller kAda{"ada", "ipv4:127.0.0.1:1", {}}, kBob{"bob", "ipv4:127.0.0.1:2", {}};
 constexpr CellTime kStart{1'000'000'000'000};
+
+// Name and peer alone would stand in the audit as a name that is only stated.
+static_assert(!std::is_constructible_v<Caller, std::string, std::string>);
 
 TEST(LeaseBook, GivesTheLeaseToOneClientAtATime) {
   LeaseBook book;

@@ -22,7 +22,8 @@ TEST_F(MotionWatching, TakesWhereTheAxesRestFirstForGranted) {
   EXPECT_FALSE(watch.look(at(0.400035))) << "a loop that holds its place";
   const auto moved = watch.look(at(0.402));
   ASSERT_TRUE(moved);
-  EXPECT_THAT(*moved, testing::HasSubstr("q1 0.400000 mm, read back 0.402000 mm"));
+  EXPECT_EQ(moved->kind, MotionFinding::Kind::moved);
+  EXPECT_THAT(moved->sentence, testing::HasSubstr("q1 0.400000 mm, read back 0.402000 mm"));
   EXPECT_FALSE(watch.look(at(0.402))) << "told once";
 }
 
@@ -41,7 +42,34 @@ TEST_F(MotionWatching, SeesAMoveThatWasReplacedByAnotherOne) {
   EXPECT_FALSE(watch.look(at(-0.5))) << "position and flag of one answer may be of two instants";
   const auto moved = watch.look(at(-0.5));
   ASSERT_TRUE(moved);
-  EXPECT_THAT(*moved, testing::HasSubstr("on target elsewhere: commanded q1 1.000000 mm"));
+  EXPECT_THAT(moved->sentence, testing::HasSubstr("on target elsewhere: commanded q1 1.000000 mm"));
+}
+
+TEST_F(MotionWatching, SaysTheControllersOwnReasonForAMotionThatItEnded) {
+  watch.commanded({1});
+  auto halted = at(0.7);
+  halted.halted_because = "error 1024 (motion error)";
+  EXPECT_FALSE(watch.look(halted)) << "position and flag of one answer may be of two instants";
+  const auto found = watch.look(halted);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, MotionFinding::Kind::halted);
+  EXPECT_THAT(found->sentence, testing::AllOf(testing::HasSubstr("read back 0.700000 mm"),
+                                              testing::HasSubstr("error 1024")));
+  watch.commanded({1});
+  halted.q_mm = {1};
+  EXPECT_FALSE(watch.look(halted)) << "an error that ended nothing";
+  EXPECT_FALSE(watch.look(halted));
+}
+
+TEST_F(MotionWatching, TellsAServoThatWasSwitchedOffFromAHandThatMovedTheAxis) {
+  watch.look(at(1));
+  auto off = at(0.4, false, false);
+  off.servo_on = false;
+  const auto found = watch.look(off);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, MotionFinding::Kind::servo_off);
+  EXPECT_FALSE(watch.look(off)) << "told once";
+  EXPECT_FALSE(watch.look(at(0.3))) << "on again: it rests where it has sunk to";
 }
 
 TEST_F(MotionWatching, ForgetsAMoveWhoseControllerWasLost) {

@@ -17,7 +17,7 @@ class Stops : public testing::Test {
 
   void stop(const std::string& name, int times) {
     for (int i = 0; i < times; ++i)
-      ASSERT_TRUE(cell.await(cell->manual.stop_all({name, "ipv4:127.0.0.1:5020"})));
+      ASSERT_TRUE(cell.await(cell->manual.stop_all({name, "ipv4:127.0.0.1:5020", {}})));
   }
 };
 

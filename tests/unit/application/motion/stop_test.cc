@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-const application::Caller kStopper{"bob", "ipv4:127.0.0.1:9"};
+const application::Caller kStopper{"bob", "ipv4:127.0.0.1:9", {}};
 const std::string kStopRows = lines_of(2, {2, -3, 1}, true);
 
 class Stopping : public testing::Test {
@@ -39,6 +39,29 @@ class Stopping : public testing::Test {
   }
   std::vector<AlarmRecord> alarms() { return *cell.await(cell->alarms.list(false, 100)); }
 };
+
+// The end of the daemon: until the axes rest there is somebody who takes a stop.
+TEST_F(Stopping, IsTakenWhileTheDaemonEndsUntilTheAxesRest) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  const auto lease = cell.lease();
+  std::optional<Result<void>> moved;
+  cell.begin(cell->manual.move_to(cell.ada, lease, {2}, {}), moved);
+  cell.until([&] { return moving(); });
+  world.stop_does_nothing = true;
+  bool rests = false;
+  asio::co_spawn(cell.io(), cell.cell().come_to_rest(), [&](std::exception_ptr) { rests = true; });
+  cell.until([&] { return world.stops > 0; });
+  EXPECT_FALSE(rests) << "it moves";
+  const auto refused = cell.await(cell->manual.home(cell.ada, lease));
+  EXPECT_EQ(refused.error().reason, "SHUTTING_DOWN") << "nothing begins to move";
+  EXPECT_TRUE(cell.await(cell->manual.stop_all(kStopper)));
+  cell.until([&] { return rests; });
+  EXPECT_FALSE(moving());
+  ASSERT_TRUE(moved);
+  EXPECT_FALSE(*moved);
+  cell.shut_down();
+  EXPECT_FALSE(cell.halt_not_on_record()) << "the stop is on record";
+}
 
 TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
   begin_and_be_on_the_way();
@@ -144,7 +167,7 @@ TEST_F(Stopping, PressedAgainKeepsItsFirstPersonAndCounts) {
   begin_and_be_on_the_way();
   world.axis_away = true;
   static_cast<void>(cell.await(cell->manual.stop_all(kStopper)));
-  static_cast<void>(cell.await(cell->manual.stop_all({"eve", "peer"})));
+  static_cast<void>(cell.await(cell->manual.stop_all({"eve", "peer", {}})));
   ASSERT_EQ(stored().size(), 1u);
   EXPECT_EQ(stored().front().who, "bob");
   EXPECT_EQ(stored().front().presses, 2);

@@ -53,6 +53,66 @@ TEST_F(UncommandedMotion, PausesTheRunAndAcceptsNoPointOfIt) {
   EXPECT_THAT(alarms("motion.uncommanded"), IsEmpty()) << "over with the new datum";
 }
 
+// An emergency stop that keeps the reference: only a person's order gives the drive its current.
+TEST_F(UncommandedMotion, AServoThatWasSwitchedOffKeepsTheRunWaitingForAPerson) {
+  const auto run = cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  cell.until([&] { return cell.status().run->phase == "reading"; });
+  const auto homes = world.homes, moves = world.moves;
+  world.servo_on = false;
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("servo was switched off"));
+  cell.pass(600);
+  EXPECT_EQ(cell.status().run->run.accepted, 3);
+  EXPECT_FALSE(world.servo_on);
+  EXPECT_EQ(world.homes, homes);
+  EXPECT_EQ(world.moves, moves);
+  EXPECT_THAT(alarms("motion.servo_off"), SizeIs(1));
+  EXPECT_THAT(alarms("motion.uncommanded"), IsEmpty()) << "nobody moved it";
+
+  ASSERT_TRUE(cell.resume());
+  const auto ended = cell.finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  EXPECT_TRUE(world.servo_on) << "a person has resumed the run";
+  const auto data = *cell.await(cell.datums(run.id));
+  ASSERT_THAT(data, SizeIs(2));
+  EXPECT_EQ(data[1].reason, "servo off");
+  cell.pass(30);
+  EXPECT_THAT(alarms("motion.servo_off"), IsEmpty());
+}
+
+// The same with a connection that breaks at that instant.
+TEST_F(UncommandedMotion, AServoThatIsFoundOffAfterABreakKeepsTheRunWaitingForAPerson) {
+  cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  world.axis_away = true;
+  world.servo_on = false;
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+  const auto homes = world.homes, moves = world.moves;
+  world.axis_away = false;
+  cell.pass(600);
+  EXPECT_NE(cell.status().run->run.state, RunState::running);
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("servo"));
+  EXPECT_FALSE(world.servo_on);
+  EXPECT_EQ(world.homes, homes);
+  EXPECT_EQ(world.moves, moves);
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+TEST_F(UncommandedMotion, IsNotWhatAControllerThatHaltsAtALimitSwitchIsAccusedOf) {
+  cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell.status().run->run.accepted == 1; });
+  world.limit_switch = true;
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  EXPECT_THAT(cell.status().run->run.reason,
+              testing::AllOf(HasSubstr("controller halted the axes"), HasSubstr("error 216")));
+  EXPECT_THAT(cell.events_named("motion.halted"), SizeIs(1));
+  EXPECT_THAT(cell.events_named("motion.uncommanded"), IsEmpty());
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
 TEST_F(UncommandedMotion, IsSeenWithoutARunToo) {
   ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
   cell.pass(20);

@@ -161,5 +161,30 @@ TEST(QueueDependency, RefusesACircleAndAnEntryThatIsNotThere) {
   EXPECT_EQ(check_dependency(entries, {3}, {9}).error().reason, "NO_SUCH_QUEUE_ENTRY");
 }
 
+std::vector<std::string> kinds_of(const QueueRecord& record) {
+  std::vector<std::string> kinds;
+  for (const auto& one : queue_alarms(record)) kinds.push_back(one.kind + " of " + one.subject);
+  return kinds;
+}
+
+TEST(QueueAlarms, StandForWhatTheStoredStateAsksOfAPerson) {
+  using Kinds = std::vector<std::string>;
+  const auto failed = changed(queued(1, "a"), [](QueueEntry& e) { e.reason = "run 5 failed"; });
+  const auto aside = changed(failed, [](QueueEntry& e) { e.state = QueueState::set_aside; });
+  const QueueHold by_failure{true, "", "entry 1 'a': run 5 failed", {}};
+  const QueueHold by_stop{true, "ada", "stopped by ada", {}};
+  const QueueHold by_person{true, "ada", "held by ada: holidays", {}};
+  EXPECT_EQ(kinds_of({{failed, queued(2, "b")}, by_failure}),
+            Kinds{"queue.failed of queue entry 1"});
+  EXPECT_EQ(kinds_of({{queued(2, "b")}, by_failure}), Kinds{"queue.held of queue"})
+      << "the failed one was removed";
+  EXPECT_EQ(kinds_of({{queued(2, "b")}, by_stop}), Kinds{"queue.held of queue"});
+  EXPECT_EQ(kinds_of({{}, by_stop}), Kinds{}) << "nothing waits";
+  EXPECT_EQ(kinds_of({{queued(2, "b")}, by_person}), Kinds{}) << "a person knows";
+  EXPECT_EQ(kinds_of({{failed}, QueueHold{}}), Kinds{}) << "released: it is tried again";
+  EXPECT_EQ(kinds_of({{aside, queued(2, "b")}, QueueHold{}}),
+            Kinds{"queue.set_aside of queue entry 1"});
+}
+
 }  // namespace
 }  // namespace driftwise::application

@@ -1,7 +1,12 @@
-// What halts the robot, asked for while no daemon answers.
+// What halts the robot, asked for while no daemon answers, or one that refuses.
+
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
 
 #include <filesystem>
 
+#include "driftwise/v1/record_service.grpc.pb.h"
 #include "server/formats/text/kept_stop.h"
 #include "tests/unit/cli/cli_fixture.h"
 
@@ -67,6 +72,49 @@ TEST_F(HaltingWithoutADaemon, SaysThatAStartGoesOnWhereTheFolderCannotBeWritten)
 TEST_F(HaltingWithoutADaemon, KeepsNothingForWhatHaltsNothing) {
   EXPECT_THAT(run({"status"}).err, AllOf(HasSubstr("Start it"), Not(HasSubstr("NOT "))));
   EXPECT_FALSE(is_kept());
+}
+
+class HaltingThatIsRefused : public CliTest {
+ protected:
+  void SetUp() override {
+    CliTest::SetUp();
+    file("driftwised.json", "{\"grpc\": \"" + server->address() + "\"}");
+  }
+  bool is_kept() const { return std::filesystem::exists(folder.path() + "/driftwised.stop"); }
+};
+
+TEST_F(HaltingThatIsRefused, NamesTheEmergencySwitchWhateverTheDaemonSays) {
+  const auto abort = run({"run", "abort", "99"});
+  EXPECT_EQ(abort.exit, 3);
+  EXPECT_THAT(abort.err, HasSubstr("driftwise: NOT ABORTED: use the emergency switch. "));
+  const auto pause = run({"run", "pause", "99"});
+  EXPECT_EQ(pause.exit, 3);
+  EXPECT_THAT(pause.err, HasSubstr("driftwise: NOT PAUSED: use the emergency switch. "));
+  EXPECT_FALSE(is_kept()) << "what a daemon refused is not asked of its next start";
+}
+
+TEST_F(HaltingThatIsRefused, NamesItWhereTheWayToTheDaemonCannotBeUsed) {
+  const auto stop = run({"stop", "--tls-ca", folder.path() + "/none.pem"});
+  EXPECT_EQ(stop.exit, 3);
+  EXPECT_THAT(stop.err, AllOf(HasSubstr("driftwise: NOT STOPPED: use the emergency switch. "),
+                              HasSubstr("none.pem")));
+}
+
+TEST_F(HaltingThatIsRefused, SaysThatAnotherProgramIsNoDaemonOfThisVersion) {
+  v1::RecordService::Service other;
+  int port = 0;
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(&other);
+  const auto program = builder.BuildAndStart();
+  environment["DRIFTWISE_SERVER"] = "127.0.0.1:" + std::to_string(port);
+  const std::string is_none =
+      "the program at 127.0.0.1:" + std::to_string(port) + " is no daemon of this version";
+  const auto stop = run({"stop"});
+  EXPECT_EQ(stop.exit, 5);
+  EXPECT_THAT(stop.err, HasSubstr("NOT STOPPED: use the emergency switch. " + is_none));
+  EXPECT_THAT(run({"status"}).err,
+              AllOf(HasSubstr("driftwise: " + is_none), HasSubstr("--server")));
 }
 
 }  // namespace

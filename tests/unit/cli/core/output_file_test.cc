@@ -125,5 +125,61 @@ TEST(OutputFile, SaysWhyNotAndLeavesNothingBehind) {
   EXPECT_THAT(complaint_of(folder.path() + "/full"), HasSubstr("No space left on device"));
 }
 
+using OutputOfACommand = CliTest;
+
+// Ten rows of a line, and a plate of what is written about the fit.
+std::string line_of_data() {
+  std::string csv = "x_mm,q1_mm\n";
+  for (int i = 0; i < 10; ++i)
+    csv += std::to_string(i) + "," + std::to_string(2 * i) + "." + std::to_string(i % 3) + "\n";
+  return csv;
+}
+
+TEST_F(OutputOfACommand, HasStandardOutputAlone) {
+  const std::string data = file("data.csv", line_of_data());
+  const std::vector<std::string> fit = {"fit", data, "--model", "q1 ~ x"};
+  for (const char* name : {"-", "/dev/stdout"}) {
+    auto arguments = fit;
+    arguments.insert(arguments.end(), {"-o", name});
+    const auto outcome = run(arguments);
+    EXPECT_EQ(outcome.exit, 0) << outcome.err;
+    EXPECT_TRUE(nlohmann::json::accept(outcome.out)) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("q1 is limited by"));
+    const auto grid =
+        run({"trajectory", "grid", "--axes", "q1", "--block", "calibration 0:1:0.5", "-o", name});
+    EXPECT_EQ(grid.exit, 0) << grid.err;
+    EXPECT_THAT(grid.out, testing::Not(HasSubstr("points in"))) << name;
+    EXPECT_THAT(grid.out, HasSubstr("q1_mm,"));
+  }
+}
+
+TEST_F(OutputOfACommand, IsRefusedWhereAnotherIsStandardOutputToo) {
+  const std::string data = file("data.csv", line_of_data());
+  const auto outcome =
+      run({"fit", data, "--model", "q1 ~ x", "-o", "-", "--residuals", "/dev/stdout"});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("--output and --residuals are both"),
+                                          HasSubstr("give one of them the name of a file")));
+}
+
+// Rows that calibrate: none at all is not every one.
+TEST_F(OutputOfACommand, OfAFitToNoRowsIsRefused) {
+  const auto outcome =
+      run({"fit", file("data.csv", line_of_data()), "--model", "q1 ~ x", "--first", "0"});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("found '0', expected a number above 0"));
+}
+
+// A certificate that is not there ends the watchdog before it waits, behind the line it understood.
+TEST_F(OutputOfACommand, OfTheWatchdogTakesTheRestOfTheLineForItsProgram) {
+  const auto outcome =
+      run({"watchdog", "--listen", "127.0.0.1:0", "--certificate", folder.path() + "/none.pem",
+           "--key", folder.path() + "/none.pem", "--command", "logger", "-p", "user.alert", "-t",
+           "cell", "--listen", "{title}"});
+  EXPECT_EQ(outcome.exit, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("none.pem"));
+}
+
 }  // namespace
 }  // namespace driftwise::tests
