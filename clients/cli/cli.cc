@@ -4,6 +4,7 @@
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <exception>
+#include <utility>
 
 #include "clients/cli/commands/access/certificate_commands.h"
 #include "clients/cli/commands/access/open_command.h"
@@ -79,6 +80,7 @@ const CLI::App& deepest(const CLI::App& app) {
   const auto inner = app.get_subcommands();
   return inner.empty() ? app : deepest(*inner.back());
 }
+CLI::App& deepest(CLI::App& app) { return const_cast<CLI::App&>(deepest(std::as_const(app))); }
 
 std::string what_is_wrong(const CLI::App& app, const CLI::App& named,
                           const CLI::ParseError& error) {
@@ -193,8 +195,31 @@ void add_everything(CLI::App& app, Session& session) {
   add_examples(app, kFooter);
 }
 
+// What stands behind `watchdog --command` is another program's line, whatever it begins with; CLI11
+// takes a word that begins with "-" for an option of its own unless it stands behind "=".
+void take_command_of_watchdog(std::vector<std::string>& arguments) {
+  const auto verb = std::ranges::find(arguments, "watchdog");
+  const auto option = std::find(verb, arguments.end(), "--command");
+  if (option == arguments.end() || option + 1 == arguments.end()) return;
+  for (auto word = option + 1; word != arguments.end(); ++word) word->insert(0, "--command=");
+  arguments.erase(option);
+}
+
+// Options of the command that name standard output as their file. What a private file holds is
+// written by other means (token create).
+std::vector<CLI::Option*> outputs_to_standard_output(CLI::App& app) {
+  std::vector<CLI::Option*> found;
+  for (const char* name : {"--output", "--residuals", "--report", "--separating", "--robot-out"}) {
+    CLI::Option* option = app.get_option_no_throw(name);
+    if (option != nullptr && option->count() == 1 && is_standard_output(option->results().front()))
+      found.push_back(option);
+  }
+  return found;
+}
+
 // CLI11 wants the last word first.
 void parse(CLI::App& app, std::vector<std::string> arguments) {
+  take_command_of_watchdog(arguments);
   std::reverse(arguments.begin(), arguments.end());
   app.parse(std::move(arguments));
 }
@@ -220,14 +245,38 @@ CommandText command_tree(Console& console) {
   return describe(app);
 }
 
-int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* interrupt) {
+namespace {
+
+// A file that is standard output has it alone: data with a page of text behind them are no data.
+// page_aside: console is the one whose page goes to standard error already.
+int perform(const std::vector<std::string>& arguments, Console& console, Interrupt* interrupt,
+            bool page_aside) {
   Session session{console, interrupt, {}, {}, 0, {}};
   CLI::App app(kExamples, "driftwise");
   add_everything(app, session);
   try {
-    parse(app, std::move(arguments));
+    parse(app, arguments);
   } catch (const CLI::ParseError& error) {
     return after_parse(app, error, console);
+  }
+  const auto outputs = outputs_to_standard_output(deepest(app));
+  if (outputs.size() > 1) {
+    complain(console, {ExitCode::usage, "usage", "USAGE",
+                       outputs[0]->get_name() + " and " + outputs[1]->get_name() +
+                           " are both standard output: give one of them the name of a file"});
+    return static_cast<int>(ExitCode::usage);
+  }
+  if (!outputs.empty() && !page_aside) {
+    Console page{
+        console.err,        console.err,         console.err_is_terminal, console.err_is_terminal,
+        console.err_width,  console.environment, console.working_folder,  false,
+        console.err_height, console.in,          console.in_is_terminal,  console.await_answer};
+    return perform(arguments, page, interrupt, true);
+  }
+  for (CLI::Option* output : outputs) {  // not "-", which some commands print to the page's stream
+    output->clear();
+    output->add_result("/dev/stdout");
+    output->run_callback();
   }
   try {
     const ExitCode exit = session.action();
@@ -242,6 +291,15 @@ int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* int
                            "; please report it with the command and its files"});
     return static_cast<int>(ExitCode::refused);
   }
+}
+
+}  // namespace
+
+int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* interrupt) {
+  std::ostream& before = set_standard_output(console.out);
+  const int exit = perform(arguments, console, interrupt, false);
+  set_standard_output(before);
+  return exit;
 }
 
 }  // namespace driftwise::cli

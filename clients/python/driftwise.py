@@ -17,6 +17,7 @@ prints one JSON object; exit code 0, 2 usage, 4 daemon not reached, 5 refused.
 from __future__ import annotations
 
 import argparse
+import atexit
 import dataclasses
 import datetime
 import json
@@ -235,6 +236,7 @@ class Cell:
             self._channel = grpc.secure_channel(address, credentials, options)
         self._lost = threading.Lock()
         self._returning = False  # under _lost
+        self._pollers: List[threading.Thread] = []  # of the way back
 
     def __enter__(self) -> "Cell":
         return self
@@ -243,6 +245,7 @@ class Cell:
         self.close()
 
     def close(self) -> None:
+        atexit.unregister(self._give_up_returning)
         self._channel.close()
 
     def target(self, pose: Optional[Dict[str, float]] = None, timeout_s: float = 1.0, **coordinates: float) -> Target:
@@ -319,12 +322,23 @@ class Cell:
             with self._lost:
                 begins, self._returning = not self._returning, True
             if begins:
+                others = set(threading.enumerate())
+                atexit.register(self._give_up_returning)
                 self._channel.subscribe(self._on_connectivity, try_to_connect=True)
+                self._pollers = [one for one in threading.enumerate() if one not in others]
         return error
+
+    def _give_up_returning(self) -> None:
+        """A program that ends without close(): gRPC's poller, which runs on into the end of the interpreter, would print
+        a traceback there. It ends by itself, within 0.2 s, once nobody subscribes."""
+        self._channel.unsubscribe(self._on_connectivity)
+        for one in self._pollers:
+            one.join(2)
 
     def _on_connectivity(self, state: grpc.ChannelConnectivity) -> None:
         if state is grpc.ChannelConnectivity.READY:
             self._channel.unsubscribe(self._on_connectivity)
+            atexit.unregister(self._give_up_returning)
             with self._lost:
                 self._returning = False
 

@@ -154,6 +154,11 @@ ExitCode exit_code_of(const grpc::Status& status) {
   }
 }
 
+Failure not_halted(const char* done, Failure failure) {
+  failure.message.insert(0, std::string("NOT ") + done + ": use the emergency switch. ");
+  return failure;
+}
+
 Connection::Connection(const Way& way, std::string operator_name, double timeout_s,
                        Interrupt* interrupt, const std::ostream* out)
     : address_(way.address),
@@ -210,8 +215,10 @@ std::string Connection::hint_of(const grpc::Status& status) const {
 
 void Connection::check(const grpc::Status& status) const {
   if (status.ok()) return;
-  if (interrupted())
-    throw Failure{ExitCode::interrupted, "cancelled", "INTERRUPTED", "interrupted"};
+  if (interrupted()) {
+    const Failure left{ExitCode::interrupted, "cancelled", "INTERRUPTED", "interrupted"};
+    throw halting_ ? not_halted(halting_, left) : left;
+  }
   const auto detail = detail_of(status);
   const bool by_reason = !detail.reason().empty();
   Failure failure{by_reason && status.error_code() == grpc::StatusCode::CANCELLED
@@ -238,6 +245,15 @@ void Connection::check(const grpc::Status& status) const {
                "no answer from " + address_ + " in time" +
                    (halting_ ? tls_words
                              : ": look at `driftwise status`, or allow more with --timeout S")};
+  const bool other_program =
+      nobody_said_so && status.error_code() == grpc::StatusCode::UNIMPLEMENTED;
+  if (other_program)
+    failure = {ExitCode::refused, "unimplemented", "OTHER_VERSION",
+               "the program at " + address_ + " is no daemon of this version (" +
+                   status.error_message() + ")" +
+                   (halting_ ? ""
+                             : ": compare `driftwise --version` with `driftwised --version` there, "
+                               "or name another with --server host:port")};
   // gRPC's own words name no limit that a person knows.
   const bool too_large = nobody_said_so &&
                          status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
@@ -253,10 +269,11 @@ void Connection::check(const grpc::Status& status) const {
                "MiB): nothing was stored. Give it in parts, or work on the file: driftwise fit, "
                "diagnose and model compare need no daemon (" +
                    status.error_message() + ")"};
-  if (halting_ && (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT"))
-    failure.message = std::string("NOT ") + halting_ + ": use the emergency switch. " +
-                      failure.message + ". " + keep_wish(cell_folder_, operator_name_);
-  throw failure;
+  if (!halting_) throw failure;
+  // What a daemon has refused it refuses of a file too.
+  if (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT" || other_program)
+    failure.message += ". " + keep_wish(cell_folder_, operator_name_);
+  throw not_halted(halting_, std::move(failure));
 }
 
 }  // namespace driftwise::cli

@@ -25,6 +25,10 @@ namespace driftwise::cli {
 // cancelled too), everything else 5.
 ExitCode exit_code_of(const grpc::Status& status);
 
+// The same failure, beginning with what a person at the machine has to know whatever went wrong:
+// "NOT STOPPED: use the emergency switch. ". done: "STOPPED".
+Failure not_halted(const char* done, Failure failure);
+
 class Connection {
  public:
   // out: where the command's answer goes; may be null.
@@ -41,9 +45,9 @@ class Connection {
     copy.interrupt_ = nullptr;
     return copy;
   }
-  // For what halts the robot or keeps it from going on. done: "STOPPED". Without an answer the
-  // Failure says that nothing was, and names the emergency switch; the wish is kept for the next
-  // start of the daemon where this is the cell's folder.
+  // For what halts the robot or keeps it from going on. done: "STOPPED". Every Failure is
+  // not_halted(); of a daemon that is not there the wish is kept for its next start, where this is
+  // the cell's folder. nullptr: an ordinary connection again.
   Connection for_halting(const char* done) const {
     Connection copy = *this;
     copy.halting_ = done;
@@ -115,7 +119,7 @@ class Connection {
 
   std::string address_, token_, cell_folder_, certificate_pem_, authority_pem_;
   bool tls_;
-  const char* halting_ = nullptr;  // what is not done when nobody answers
+  const char* halting_ = nullptr;  // what is not done when the call fails
   std::string operator_name_;
   double timeout_s_;
   Interrupt* interrupt_;

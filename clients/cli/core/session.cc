@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
+#include <utility>
 
 #include "clients/cli/core/read_stream.h"
 
@@ -32,6 +33,8 @@ std::string base_name(const std::string& path) {
 }
 
 namespace {
+
+std::ostream* standard_output = &std::cout;
 
 Failure cannot_write(const std::string& path, const std::string& why) {
   return {ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
@@ -75,7 +78,7 @@ std::filesystem::path end_of_links(std::filesystem::path file) {
 // Says why not, or nothing. Standard output through its stream, behind what stands there already.
 std::string write_to_open(int number, const std::string& text) {
   if (number == STDOUT_FILENO) {
-    std::cout << text << std::flush;
+    *standard_output << text << std::flush;
     return {};
   }
   for (std::size_t done = 0; done < text.size();) {
@@ -88,6 +91,14 @@ std::string write_to_open(int number, const std::string& text) {
 }
 
 }  // namespace
+
+bool is_standard_output(const std::string& path) {
+  return !path.empty() && open_file(end_of_links(path)) == STDOUT_FILENO;
+}
+
+std::ostream& set_standard_output(std::ostream& stream) {
+  return *std::exchange(standard_output, &stream);
+}
 
 void write_output_file(const std::string& path, const std::string& text,
                        const std::vector<std::string>& read) {

@@ -27,6 +27,14 @@ struct Session {
     options.server = server;
     return {find_way(options, console), operator_name, timeout_s, interrupt, &console.out};
   }
+  // Connection::for_halting(); a way that cannot be used has halted nothing either.
+  Connection connect_for_halting(const char* done) const {
+    try {
+      return connect().for_halting(done);
+    } catch (const Failure& failure) {
+      throw not_halted(done, failure);
+    }
+  }
 };
 
 // Adds a command whose action runs after all of the line was understood.
@@ -46,8 +54,13 @@ std::string base_name(const std::string& path);
 // (/dev/stdout, /dev/fd/3, "-" for standard output), where it stands: `-o /dev/stdout >> file` adds
 // to the file. Throws Failure (bad_input CANNOT_WRITE) naming it; what stood there before still
 // does then. Of standard output main.cc says it at the end.
+// Standard output is that of set_standard_output().
 // read: files that the command read, which may be the only copy of a measurement; refused.
 void write_output_file(const std::string& path, const std::string& text,
                        const std::vector<std::string>& read = {});
+// "-", "/dev/stdout", "/dev/fd/1", or a link to one of them.
+bool is_standard_output(const std::string& path);
+// What write_output_file() takes for standard output; std::cout at first. Returns the one before.
+std::ostream& set_standard_output(std::ostream& stream);
 
 }  // namespace driftwise::cli

@@ -3,6 +3,10 @@
 
     check_chain.py cell.db            prints HASH@N, or what differs; exit code 1: something does
                                       before it, a line for each stretch of readings that was thinned
+                                      exit code 2: a record that this program cannot judge
+
+The record may be at work: everything is read in one transaction. Which tables it has is told by the chain's own
+layout entries, so records of older schemas are checked too; tables that are newer than this program end it with 2.
 
 Written from docs/database.md, "The chain": it shares no code with the daemon.
 """
@@ -55,6 +59,7 @@ KINDS = {
     39: (["point_id"], ["repeated_point"]),
     40: (["rest_id"], ["rest"]),
     41: (["indentation_id"], ["indentation"]),
+    42: (["point_id"], ["passage"]),
 }
 
 
@@ -112,10 +117,15 @@ class Reader:
         return self.data[begin : self.at]
 
 
+class OtherSchema(Exception):
+    pass
+
+
 class Record:
     def __init__(self, path):
-        self.db = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+        self.db = sqlite3.connect(f"file:{path}?mode=ro", uri=True, isolation_level=None)
         self.db.text_factory = Text
+        self.db.execute("BEGIN")  # one view of chain and tables: a daemon writes both meanwhile
         self.tables = {}
         for key, tables in KINDS.values():
             for table in tables:
@@ -128,18 +138,21 @@ class Record:
                 ]
                 primary = [name for name, pk in sorted(columns, key=lambda c: c[1]) if pk > 0]
                 rest = [name for name in primary if name not in key]
-                self.tables[table] = ([name for name, _ in columns], rest)
+                if columns:  # else a table that came with a later schema
+                    self.tables[table] = ([name for name, _ in columns], rest)
+
+    def tables_of(self, kind):
+        return [table for table in KINDS[kind][1] if table in self.tables]
 
     def layout(self, kind):
         return f"{kind}" + "".join(
-            f" {table}({','.join(self.tables[table][0])})" for table in KINDS[kind][1]
+            f" {table}({','.join(self.tables[table][0])})" for table in self.tables_of(kind)
         )
 
     # Every unit of a kind: the bytes of its key -> (digest, how many rows)
     def units(self, kind):
-        key, tables = KINDS[kind]
-        found = {}
-        for place, table in enumerate(tables):
+        key, found = KINDS[kind][0], {}
+        for place, table in enumerate(self.tables_of(kind)):
             columns, rest = self.tables[table]
             order = f" ORDER BY {', '.join(rest)}" if rest else ""
             for row in self.db.execute(
@@ -187,9 +200,18 @@ def thinned_lines(record, stretches):
         yield (f"thinned: {one.count} readings of {one.readings[0]} to {one.readings[-1]}{how}, hash {one.hash.hex()}")
 
 
+# The tables of a layout entry, in the order that its units count them by.
+def tables_in(layout, kind):
+    tables = re.findall(r" (\w+)\(", layout)
+    if kind not in KINDS or any(table not in KINDS[kind][1] for table in tables):
+        raise OtherSchema(f"record of another schema: its chain has {', '.join(tables)}, which this program does "
+                          "not know; take check_chain.py of the daemon's version")
+    return tables
+
+
 def check(path):
     record, problems, stretches = Record(path), [], []
-    head, last, newest, since = bytes(32), 0, {kind: {} for kind in KINDS}, {}
+    head, last, newest, since, places = bytes(32), 0, {kind: {} for kind in KINDS}, {}, {}
     for entry, what, data, stored in record.db.execute(
         "SELECT entry_id, what, bytes, head FROM chain ORDER BY entry_id"
     ):
@@ -200,7 +222,8 @@ def check(path):
         last = entry
         if what.bytes == b"layout":
             kind = int(re.match(rb"\d+", data).group())
-            newest[kind], since[kind] = {}, data.decode()
+            since[kind] = data.decode()
+            newest[kind], places[kind] = {}, tables_in(since[kind], kind)
             continue
         if what.bytes == b"thinned":
             stretches.append(Thinned(data))
@@ -213,12 +236,16 @@ def check(path):
             key = b"".join(reader.value() for _ in KINDS[kind][0])
             digest, rows = reader.take(32), reader.integer()
             for _ in range(rows):
-                table = KINDS[kind][1][reader.integer()]
+                table = places[kind][reader.integer()]
+                if table not in record.tables:
+                    sys.exit(f"the record has no table {table}, whose rows its chain protects")
                 for _ in record.tables[table][1]:
                     reader.value()
                 reader.take(4)
             newest[kind][key] = digest if rows else None
     for kind, (_, tables) in KINDS.items():
+        if kind not in since and not record.tables_of(kind):
+            continue  # a schema before these tables
         if since.get(kind) != record.layout(kind):
             problems.append(f"{tables[0]}: other columns than the chain has")
         found = record.units(kind)
@@ -234,7 +261,11 @@ def check(path):
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    problems, thinned, head = check(sys.argv[1])
+    try:
+        problems, thinned, head = check(sys.argv[1])
+    except OtherSchema as other:
+        print(other, file=sys.stderr)
+        sys.exit(2)
     for line in problems + thinned:
         print(line)
     if problems:

@@ -230,8 +230,8 @@ ExitCode take_lease(const Session& session, const MotionArguments& a) {
 // A stop that is not confirmed is no success, although the daemon goes on with it.
 ExitCode stop(const Session& session) {
   constexpr double kPatience_s = 3;  // the daemon answers within 0.1 s
-  const auto answer = session.connect().for_halting("STOPPED").ask(
-      &CellStub::StopAll, v1::StopAllRequest{}, kPatience_s);
+  const auto answer = session.connect_for_halting("STOPPED").ask(&CellStub::StopAll,
+                                                                 v1::StopAllRequest{}, kPatience_s);
   if (!answer.confirmed())
     throw Failure{ExitCode::refused, "failed_precondition", "STOP_NOT_CONFIRMED", answer.message()};
   if (session.console.json)

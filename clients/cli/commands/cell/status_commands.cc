@@ -135,17 +135,32 @@ void print_event(const Console& console, const v1::Event& event) {
   console.out << std::flush;
 }
 
+// With --timeout a command that follows ends when the time is up: no error once it has heard
+// something.
+template <class Follow>
+ExitCode follow_for_the_time(const Session& session, Follow follow) {
+  bool heard = false;
+  try {
+    follow(heard);
+  } catch (const Failure& failure) {
+    if (failure.reason != "TIMEOUT" || !heard || session.timeout_s <= 0) throw;
+  }
+  return ExitCode::done;
+}
+
 ExitCode show_events(const Session& session, std::int64_t after, bool follow) {
   const auto connection = session.connect();
   if (follow) {
     v1::WatchEventsRequest request;
     request.set_after_event_id(after);
-    connection.follow(&CellStub::WatchEvents, request,
-                      [&](const v1::WatchEventsResponse& response) {
-                        print_event(session.console, response.event());
-                        return true;
-                      });
-    return ExitCode::done;
+    return follow_for_the_time(session, [&](bool& heard) {
+      connection.follow(&CellStub::WatchEvents, request,
+                        [&](const v1::WatchEventsResponse& response) {
+                          heard = true;
+                          print_event(session.console, response.event());
+                          return true;
+                        });
+    });
   }
   v1::ListEventsRequest request;
   request.set_after_event_id(after);
@@ -158,27 +173,31 @@ ExitCode show_events(const Session& session, std::int64_t after, bool follow) {
   }
 }
 
+void print_reading(const Console& console, const v1::WatchReadingsResponse& response) {
+  if (console.json) {
+    console.out << json_from(response).dump() << '\n' << std::flush;
+    return;
+  }
+  if (response.missed_count() > 0)
+    console.err << response.missed_count() << " readings missed here; the record has them\n";
+  console.out << utc_text(response.reading().end_time()) << "  " << response.reading().device_id();
+  for (const auto& value : response.reading().values())
+    console.out << "  " << value.channel() << "="
+                << (value.has_value() ? significant(value.value(), 10) : "-");
+  console.out << '\n' << std::flush;
+}
+
 ExitCode follow_readings(const Session& session, const std::string& device) {
   v1::WatchReadingsRequest request;
   request.set_device_id(device);
-  session.connect().follow(
-      &CellStub::WatchReadings, request, [&](const v1::WatchReadingsResponse& response) {
-        if (session.console.json) {
-          session.console.out << json_from(response).dump() << '\n' << std::flush;
-          return true;
-        }
-        if (response.missed_count() > 0)
-          session.console.err << response.missed_count()
-                              << " readings missed here; the record has them\n";
-        session.console.out << utc_text(response.reading().end_time()) << "  "
-                            << response.reading().device_id();
-        for (const auto& value : response.reading().values())
-          session.console.out << "  " << value.channel() << "="
-                              << (value.has_value() ? significant(value.value(), 10) : "-");
-        session.console.out << '\n' << std::flush;
-        return true;
-      });
-  return ExitCode::done;
+  return follow_for_the_time(session, [&](bool& heard) {
+    session.connect().follow(&CellStub::WatchReadings, request,
+                             [&](const v1::WatchReadingsResponse& response) {
+                               heard = true;
+                               print_reading(session.console, response);
+                               return true;
+                             });
+  });
 }
 
 }  // namespace

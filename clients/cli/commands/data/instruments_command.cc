@@ -85,7 +85,7 @@ NamedColumns columns_of_run(const Session& session, std::int64_t run) {
     const auto page = connection.ask(&v1::RunService::Stub::ListPoints, request);
     for (const auto& point : page.points()) {
       after = point.id();
-      if (point.repeated_line()) continue;
+      if (point.repeated_line() || point.passage()) continue;
       if (std::ranges::any_of(kept_out, [&point](const v1::RowRange& range) {
             return point.row() >= range.first_row() && point.row() <= range.last_row();
           }))

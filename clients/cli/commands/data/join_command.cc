@@ -11,6 +11,7 @@
 #include "clients/cli/pages/join_page.h"
 #include "clients/cli/pages/run_text.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
+#include "server/core/data/row_marks.h"
 #include "server/correction/described_stage.h"
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -78,7 +79,14 @@ ExitCode join_files(const Session& session, const JoinArguments& a) {
   for (const auto& file : a.inputs) {
     const std::string text = read_input_file(file);
     if (parts.empty()) set_names = value_or_throw(formats::read_set_names(text, file));
-    parts.push_back(value_or_throw(formats::read_join_part(text, file)));
+    auto part = value_or_throw(formats::read_join_part(text, file));
+    const auto rows = leave_passages_out(part.data);  // they are none of the plan
+    if (parts.empty() && !set_names.empty()) {
+      std::vector<std::string> names;
+      for (const auto row : rows) names.push_back(std::move(set_names[row]));
+      set_names = std::move(names);
+    }
+    parts.push_back(std::move(part));
   }
   if (!a.correction.empty()) {
     const auto described =

@@ -243,7 +243,7 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
   command.add_option("--exclude-rows", fit.exclude_rows,
                      "rows of the file kept out of the fit, such as 12,40-45; the first is 1");
   command.add_option("--first,--first-rows", fit.first_rows, "calibrate on the first N rows only")
-      ->check(number_from_zero());
+      ->check(positive_number());
   command.add_option("--blocks", fit.blocks, "blocks of time held out in turn; 0: none")
       ->check(number_between(0, 1000))
       ->capture_default_str();

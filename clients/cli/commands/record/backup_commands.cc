@@ -22,7 +22,7 @@ constexpr double kBackupTakes_s = 3600;  // a record of weeks, onto a slow disk
 
 struct RestoreArguments {
   std::string copy, database, kept;
-  bool replace = false, yes = false;
+  bool replace = false, may_be_another = false, yes = false;
 };
 
 void print_copy(const Console& console, const v1::RecordCopy& copy, const std::string& what) {
@@ -53,18 +53,26 @@ std::string name_of_present(const std::string& database) {
 }
 
 // A run that the copy holds, and campaigns that wait in it, are of another day: the daemon stops
-// the axes first, and both wait for a person.
-void keep_stop(const Session& session, const std::string& database) {
+// the axes first, and both wait for a person. It is a stop of this record alone: a daemon that
+// works on another one beside it goes on. Result: its path. It is there before the copy is at its
+// place: a restore that is interrupted leaves no record that moves by itself.
+std::string keep_stop(const Session& session, const RestoreArguments& a) {
   const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::system_clock::now().time_since_epoch());
-  const auto folder = std::filesystem::absolute(database).parent_path();
-  const std::string path = (folder / formats::kKeptStopFile).lexically_normal().string();
-  write_output_file(
-      path, formats::write_kept_stop({session.operator_name, to_iso8601(UtcTime{now.count()})}));
+  const std::string path = std::filesystem::absolute(formats::kept_stop_of_record(a.database))
+                               .lexically_normal()
+                               .string();
+  const std::string who = "the restore of " + base_name(a.copy) + " by " +
+                          (session.operator_name.empty() ? "somebody" : session.operator_name);
+  write_output_file(path, formats::write_kept_stop({who, to_iso8601(UtcTime{now.count()})}));
   storage::give_to_owner_of_folder(path);
-  session.console.err << "the next start moves nothing: " << path
+  return path;
+}
+
+void tell_of_stop(const Session& session, const std::string& path) {
+  session.console.err << "the first start with this record moves nothing: " << path
                       << " holds a run of the copy and the queue until `driftwise run resume` and "
-                         "`driftwise queue release`; it belongs beside the cell file\n";
+                         "`driftwise queue release`; it goes where the record goes\n";
 }
 
 ExitCode restore(const Session& session, const RestoreArguments& a) {
@@ -78,15 +86,20 @@ ExitCode restore(const Session& session, const RestoreArguments& a) {
              "the present record is kept as " + wanted.present_kept_as},
             "Restore it");
   }
+  wanted.may_be_another = a.may_be_another;
+  std::string stop;
+  wanted.before_names_change = [&] { stop = keep_stop(session, a); };
   const auto restored = storage::restore_record(wanted);
   if (!restored) {
     auto failure = failure_of(restored.error());
     if (restored.error().reason == "FILE_EXISTS" && !a.replace)
       failure.message += "; --replace keeps it under another name and puts the copy in its place";
+    if (restored.error().reason == "OTHER_RECORD")
+      failure.message += "; --other-record puts it there all the same";
     throw Failure(failure);
   }
   print_copy(session.console, copy_message(*restored), "restored ");
-  keep_stop(session, a.database);
+  tell_of_stop(session, stop);
   return ExitCode::done;
 }
 
@@ -106,6 +119,8 @@ void add_backup_commands(CLI::App& app, Session& session) {
   restoring.add_option("--head", a->kept, "HASH@N that was kept: the copy must hold it");
   restoring.add_flag("--replace", a->replace,
                      "a record that is there is kept under another name; else it is refused");
+  restoring.add_flag("--other-record", a->may_be_another,
+                     "with --replace: the copy may be of another record than the present one");
   restoring.add_flag("--yes", a->yes, "ask nothing: for scripts");
 }
 

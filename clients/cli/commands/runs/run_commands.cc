@@ -106,8 +106,9 @@ ExitCode abort_run(const Session& session, std::int64_t id, const std::string& r
   v1::AbortRunRequest request;
   request.set_run_id(id);
   request.set_reason(reason);
-  const auto connection = session.connect();
-  auto run = connection.for_halting("ABORTED").ask(&RunStub::AbortRun, request).run();
+  const auto halting = session.connect_for_halting("ABORTED");
+  auto run = halting.ask(&RunStub::AbortRun, request).run();
+  const auto connection = halting.for_halting(nullptr);
   const auto until = std::chrono::steady_clock::now() + kPatience;
   v1::GetRunRequest look;
   look.set_run_id(id);
@@ -137,7 +138,7 @@ ExitCode change(const Session& session, Method method, std::int64_t id, v1::Run:
                 const std::string& what_follows) {
   Request request;
   request.set_run_id(id);
-  const auto run = session.connect().for_halting("PAUSED").ask(method, request).run();
+  const auto run = session.connect_for_halting("PAUSED").ask(method, request).run();
   const ExitCode exit = show_changed(session, run);
   if (run.state() != wanted && !session.console.json)
     session.console.err << what_follows << ": follow it with `driftwise run watch " << id << "`\n";

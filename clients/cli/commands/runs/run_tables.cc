@@ -79,8 +79,10 @@ ExitCode show_points(const Session& session, std::int64_t run_id) {
   Table table(columns);
   for (const auto& point : all.points()) {
     std::vector<Table::Cell> row = {
-        std::to_string(point.row()),
-        std::string(point.set() == v1::POINT_SET_VALIDATION ? "validation" : "calibration") +
+        point.passage() ? "-" : std::to_string(point.row()),
+        std::string(point.passage()                           ? "passage"
+                    : point.set() == v1::POINT_SET_VALIDATION ? "validation"
+                                                              : "calibration") +
             (point.repeated_line() ? ", repeated" : ""),
         std::to_string(point.line()), clock_text(point.measure_time())};
     for (const auto& channel : channels) {

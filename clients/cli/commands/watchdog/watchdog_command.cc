@@ -101,8 +101,10 @@ void add_watchdog_command(CLI::App& app, Session& session) {
   command.add_option("--user", receiver.user, "at the mail server");
   command.add_option("--password-file", receiver.password_file, "file (mode 0600) of the password");
   command.add_option("--ca-file", receiver.ca_file, "PEM of the receiver's authority");
-  command.add_option("--command", receiver.command,
-                     "program and arguments, {title} and {text} filled in, without a shell");
+  command.add_option(
+      "--command", receiver.command,
+      "the rest of the line: program and arguments, {title} and {text} filled in, without "
+      "a shell");
   command.add_option("--repeat", receiver.repeat_h, "hours until an alarm is told again (4)")
       ->check(number_between(0, 8784));
 }
