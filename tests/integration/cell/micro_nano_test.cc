@@ -23,9 +23,13 @@ std::string small_plan(const CellAtWork& cell) {
   return file;
 }
 
+// Points of the plan: what else moved the axes is a passage.
 nlohmann::json points_of(const CellAtWork& cell, std::int64_t run) {
-  const auto points = cell.ask({"run", "points", std::to_string(run)});
-  return points.is_array() ? points : points.at("points");
+  const auto said = cell.ask({"run", "points", std::to_string(run)});
+  auto planned = nlohmann::json::array();
+  for (const auto& point : said.is_array() ? said : said.at("points"))
+    if (!point.value("passage", false)) planned.push_back(point);
+  return planned;
 }
 
 double value(const nlohmann::json& point, const std::string& channel) {
