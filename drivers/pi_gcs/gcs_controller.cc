@@ -107,13 +107,15 @@ Awaitable<Result<void>> GcsController::refused_by_error_5(std::string text) {
   else
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await refresh_referenced());
   auto error = refusal(kNoReferenceOrServo, text);
+  // Without a reference the axes are homed in any case, which is what switches the servo on.
+  if (!referenced_) co_return link_.wrong_reply(error);
   if (!servo_on_) {
     error.reason = reasons::kServoOff;
     error.message = "controller refused " + text +
                     " with error 5, and SVO? says that the servo is "
                     "off: look who switched it off and why; homing by a person switches it on, or "
                     "switch it on at the controller";
-  } else if (referenced_) {
+  } else {
     error.reason = reasons::kRefused;
     error.message = "controller refused " + text +
                     " with error 5 (not referenced or servo off), "
