@@ -21,7 +21,7 @@ def main():
             file.write("q1_mm\n0\n0.1\n")
         number = cell.ask("run", "start", plan)["id"]
         cell.cli("run", "watch", str(number), "--timeout", "100")
-        points = count("SELECT count(*) FROM point")
+        points = count("SELECT count(*) FROM planned_point")
         with_attempt = count("SELECT count(*) FROM reading WHERE attempt_id IS NOT NULL")
         check(points == 2, "a run of two points")
         # Some hours of cell time beside them, at speed 100.
@@ -37,7 +37,7 @@ def main():
         thinned = cell.ask("thin", "--before", before, "--reducer", "mean", "--every", "2min", "--yes")
         removed, rows = int(thinned["reading_count"]), int(thinned["interval_count"])
         check(0 < rows < removed / 2, f"{removed} readings of {raw} became {rows} rows")
-        check(count("SELECT count(*) FROM point") == points, "points stay")
+        check(count("SELECT count(*) FROM planned_point") == points, "points stay")
         check(count("SELECT count(*) FROM reading WHERE attempt_id IS NOT NULL") == with_attempt, "and what they rest on")
         acts = cell.ask("audit", "list")["acts"]
         act = next(one for one in acts if one["what"] == "readings.thinned")
