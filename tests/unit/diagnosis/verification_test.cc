@@ -69,19 +69,24 @@ TEST(Verification, ComparesOnThePositionsThatBothVisited) {
   EXPECT_EQ(found->heading.front().before->a90, x.before->a90);
 }
 
-// What the axis missed of its own target is no error of the model.
-TEST(Verification, TakesTheAxesOwnMissesOut) {
+// Run of an axis with q = 2 x that misses its own targets: 30 nm too far in q is 15 nm in x.
+RunToVerify run_that_missed() {
   RunToVerify run = run_of(3, 9, 0);
   auto& data = run.data;
   data.columns.push_back({{"q1", "mm"}, {}});
   data.columns.push_back({{"q1_cmd", "mm"}, {}});
-  // q = 2 x: 30 nm too far in q is 15 nm too far in x.
   for (int i = 0; i < 9; ++i) {
     const double target = i, missed_mm = (i % 3 - 1) * 30e-6;
     data.columns[0].values[static_cast<std::size_t>(i)] = target + missed_mm / 2;
     data.columns[3].values.push_back(2 * target + missed_mm);
     data.columns[4].values.push_back(2 * target);
   }
+  return run;
+}
+
+// Misses of the axis's own target are no error of the model.
+TEST(Verification, TakesTheAxesOwnMissesOut) {
+  RunToVerify run = run_that_missed();
   calibration::Model model;
   calibration::OutputModel q1;
   q1.channel = {"q1", "mm"};
@@ -99,16 +104,7 @@ TEST(Verification, TakesTheAxesOwnMissesOut) {
 
 // q = 2 x with q in um and x in m, the range in K: figures are those of the run's own units.
 TEST(Verification, ReadsAModelInOtherUnitsInThoseOfTheRun) {
-  RunToVerify run = run_of(3, 9, 0);
-  auto& data = run.data;
-  data.columns.push_back({{"q1", "mm"}, {}});
-  data.columns.push_back({{"q1_cmd", "mm"}, {}});
-  for (int i = 0; i < 9; ++i) {
-    const double target = i, missed_mm = (i % 3 - 1) * 30e-6;
-    data.columns[0].values[static_cast<std::size_t>(i)] = target + missed_mm / 2;
-    data.columns[3].values.push_back(2 * target + missed_mm);
-    data.columns[4].values.push_back(2 * target);
-  }
+  RunToVerify run = run_that_missed();
   calibration::Model model;
   calibration::OutputModel q1;
   q1.channel = {"q1", "um"};
