@@ -195,7 +195,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_examples(app, kFooter);
 }
 
-// What stands behind `watchdog --command` is another program's line, whatever it begins with; CLI11
+// Words behind `watchdog --command` are another program's line, whatever it begins with; CLI11
 // takes a word that begins with "-" for an option of its own unless it stands behind "=".
 void take_command_of_watchdog(std::vector<std::string>& arguments) {
   const auto verb = std::ranges::find(arguments, "watchdog");

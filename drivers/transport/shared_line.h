@@ -47,7 +47,7 @@ class SharedLines {
 // A device that was made alone (shared: nullptr) has its line for itself.
 std::shared_ptr<SharedLines> lines_of(asio::any_io_executor executor, SharedByAddress* shared);
 
-// What a device knows of its line at this address, before and after it is opened.
+// Line of a device as it is known at this address, before and after it is opened.
 class LineKey {
  public:
   LineKey(Address address, std::string text)

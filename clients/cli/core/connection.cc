@@ -270,7 +270,7 @@ void Connection::check(const grpc::Status& status) const {
                "diagnose and model compare need no daemon (" +
                    status.error_message() + ")"};
   if (!halting_) throw failure;
-  // What a daemon has refused it refuses of a file too.
+  // A refusal of a daemon holds for a file too.
   if (failure.reason == "NO_DAEMON" || failure.reason == "TIMEOUT" || other_program)
     failure.message += ". " + keep_wish(cell_folder_, operator_name_);
   throw not_halted(halting_, std::move(failure));

@@ -60,7 +60,8 @@ void write_output_file(const std::string& path, const std::string& text,
                        const std::vector<std::string>& read = {});
 // "-", "/dev/stdout", "/dev/fd/1", or a link to one of them.
 bool is_standard_output(const std::string& path);
-// What write_output_file() takes for standard output; std::cout at first. Returns the one before.
+// Stream that write_output_file() takes for standard output; std::cout at first. Returns the one
+// before.
 std::ostream& set_standard_output(std::ostream& stream);
 
 }  // namespace driftwise::cli

@@ -258,7 +258,7 @@ Awaitable<Result<Arrival>> move_and_settle(RunScope& scope, const std::vector<do
   co_return co_await wait_quiet(scope, *arrival, moved);
 }
 
-// What moved the axes is in the path.
+// Every movement of the axes is in the path.
 void note_passage(RunScope& scope, const std::vector<double>& from_mm,
                   const std::vector<double>& commanded_mm, const Arrival& arrival) {
   if (largest_distance_nm(from_mm, arrival.q_mm, {}) <= scope.rules.in_position_nm) return;

@@ -68,7 +68,7 @@ void EventLog::answer(const Pending& pending, Result<void> result) {
   pending.ticket->answered.raise();
 }
 
-// Whoever waits for the record is told that the database takes nothing, and does not act.
+// Acts that wait for the record are told that the database takes nothing, and are not done.
 void EventLog::refuse_who_waits(const Error& refusal) {
   for (const auto& pending : pending_) {
     if (!pending.ticket) continue;

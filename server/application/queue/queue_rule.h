@@ -41,7 +41,7 @@ void forget_old_entries(std::vector<QueueEntry>& entries, int newest);
 // Begin of a hold's reason where a person asked for it; others are of a stop or of a failure.
 inline constexpr const char* kHeldByPerson = "held by ";
 
-// What asks for a person, by the stored state alone, so that a daemon that dies right after storing
+// Alarms of the queue by the stored state alone, so that a daemon that dies right after storing
 // it tells it at its next start: entries that failed and wait in the held queue, entries that were
 // set aside, and a queue that a stop or a failure holds while entries wait.
 std::vector<AlarmCondition> queue_alarms(const QueueRecord& record);

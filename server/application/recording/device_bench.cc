@@ -316,7 +316,7 @@ Awaitable<void> DeviceBench::look_for_motion(Slot& slot, MotionState state) {
   const auto before = *slot.watch;
   const auto moved = slot.watch->look(state);
   if (!moved) co_return;
-  // What the controller says of itself needs no second witness.
+  // A statement of the controller about itself needs no second witness.
   if (moved->kind != MotionFinding::Kind::moved) co_return on_uncommanded_(*moved);
   auto asking = instruments_say_(expected_mm(slot, before));
   const bool are_there = co_await std::move(asking);

@@ -60,8 +60,8 @@ Result<void> Doubts::judge(const DeviceDescription& controller, const MotionStat
   return tl::unexpected(std::move(error));
 }
 
-// What a controller says of itself. A servo that is off before the axes are referenced has not been
-// switched on yet.
+// Statements of a controller about itself. A servo that is off before the axes are referenced has
+// not been switched on yet.
 void Doubts::note_controller(const DeviceDescription& controller, const MotionState& state) {
   if (!state.old_error.empty())
     events_.record_own("motion.controller_error",

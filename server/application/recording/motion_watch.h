@@ -41,7 +41,7 @@ class MotionWatch {
   void released();
   // The controller could not be asked: a move under way may have been ended by its own watchdog.
   void lost();
-  // What became of the axes without a command, once: afterwards as released(). Another target than
+  // Fate of the axes without a command, once: afterwards as released(). Another target than
   // the commanded one counts when it is seen twice in succession: an answer may be made of a
   // position and a flag that are not of one instant.
   std::optional<MotionFinding> look(const MotionState& state);

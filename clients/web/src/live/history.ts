@@ -30,7 +30,7 @@ export function usualStep(at: readonly number[]): number {
   return steps[steps.length >> 1] ?? 0;
 }
 
-// What a track changed by, and over which time: from its first to its last value. NaN: fewer than two.
+// Change of a track, and over which time: from its first to its last value. NaN: fewer than two.
 export function changeOf(track: Track): { change: number; seconds: number } {
   const first = track.mean.findIndex(Number.isFinite);
   const last = track.mean.findLastIndex(Number.isFinite);

@@ -35,7 +35,7 @@ function extent(series: readonly PlotSeries[], range: Range): [number, number] {
     for (let i = 0; i < one.x.length; i++) {
       if (one.x[i] >= range.from && one.x[i] <= range.to) take(lows[i], highs[i]);
       if (i === 0 || one.draw === 'markers') continue;
-      // Where a line crosses an end of what is seen, between two points.
+      // Crossings of a line with an end of what is seen, between two points.
       for (const end of [range.from, range.to]) {
         if (!(one.x[i - 1] < end && end < one.x[i])) continue;
         const share = one.draw === 'steps' ? 0 : (end - one.x[i - 1]) / (one.x[i] - one.x[i - 1]);
