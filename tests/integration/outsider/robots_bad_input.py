@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Bad input of several robots through the daemon and the command line, on the emulated devices of the two robots that touch. Each is
 judged by exit code, reason, and a sentence that names the thing and what to do."""
+import csv
 import json
 import os
 import shutil
@@ -72,10 +73,10 @@ def setups_and_joins(cell):
     check(cell.sql("SELECT count(*) FROM run") == "0" and cell.sql("SELECT count(*) FROM move") == "0", "no run is on record, nothing moved")
     heights = [(h, h, h) for h in (0.2, 0.45, 0.1, 0.05)]
     probe = measured(cell, "heights", motor_rows("ma", heights), "probe")
-    table = [line for line in cell.cli("data", "export", probe).stdout.splitlines() if not line.startswith("#")]
-    column = table[0].split(",").index("ma.z_mm")
-    values = [line.split(",")[column] for line in table[1:]]
-    check(values[2] == "" and all(values[i] for i in (0, 1, 3, 4)),
+    table = csv.DictReader(line for line in cell.cli("data", "export", probe).stdout.splitlines() if not line.startswith("#"))
+    # The probe's friction may make the run look at its zero from aside: rows of passages, none of the plan.
+    values = [row["ma.z_mm"] for row in table if row.get("passage") != "1"]
+    check(len(values) == 5 and values[2] == "" and all(values[i] for i in (0, 1, 3, 4)),
           f"a probe out of its range is a state of that point, the run goes on: ma.z_mm {values}")
     refused(cell, ["fit", "--run", probe, "--model", "ma.q ~ ma.rx + ma.z"], BAD_INPUT, "UNKNOWN_CHANNEL", "ma.rx")
     level = measured(cell, "tilts", motor_rows("ma", heights[:-1] + [(0.3, 0.3, 0.3)]), "level")
