@@ -28,9 +28,9 @@
 #include "server/core/data/accuracy.h"
 #include "server/core/data/dataset.h"
 #include "server/core/result.h"
-#include "server/diagnosis/answer/discrepancy.h"
 #include "server/diagnosis/answer/finding.h"
 #include "server/diagnosis/answer/lever_limits.h"
+#include "server/diagnosis/answer/shares.h"
 
 namespace driftwise::diagnosis {
 

@@ -9,7 +9,7 @@
 #include "server/calibration/report/residual_statistics.h"
 #include "server/core/data/accuracy.h"
 #include "server/core/units.h"
-#include "server/diagnosis/answer/discrepancy.h"
+#include "server/diagnosis/answer/shares.h"
 #include "server/diagnosis/check/check_memory.h"
 
 namespace driftwise::diagnosis {
