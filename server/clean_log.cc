@@ -1,6 +1,13 @@
 #include "server/clean_log.h"
 
+#include <spdlog/formatter.h>
 #include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cstddef>
+#include <memory>
 
 #include "server/core/text/clean_text.h"
 
@@ -25,11 +32,25 @@ class CleanLines final : public spdlog::formatter {
   std::unique_ptr<spdlog::formatter> inner_;
 };
 
+constexpr std::size_t kKeptLines = 4000;
+std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> kept_lines;
+
 }  // namespace
 
-std::unique_ptr<spdlog::formatter> clean_log_formatter(const std::string& pattern) {
-  return std::make_unique<CleanLines>(
-      std::make_unique<spdlog::pattern_formatter>(pattern, spdlog::pattern_time_type::utc));
+void set_up_log(const std::string& level) {
+  kept_lines = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(kKeptLines);
+  const spdlog::sinks_init_list sinks{std::make_shared<spdlog::sinks::stderr_sink_mt>(),
+                                      kept_lines};
+  auto logger = std::make_shared<spdlog::logger>("driftwised", sinks);
+  logger->set_level(spdlog::level::from_str(level));
+  logger->set_formatter(std::make_unique<CleanLines>(std::make_unique<spdlog::pattern_formatter>(
+      "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc)));
+  logger->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(logger);
+}
+
+std::vector<std::string> log_tail() {
+  return kept_lines ? kept_lines->last_formatted() : std::vector<std::string>();
 }
 
 }  // namespace driftwise

@@ -1,15 +1,17 @@
 #pragma once
-// The log's lines: names and messages of others must not command the terminal that shows them, nor
-// begin a line that looks like ours.
+// The daemon's log: lines on standard error, the newest of them in memory for a support bundle.
+// Names and messages of others must not command the terminal that shows them, nor begin a line that
+// looks like ours.
 
-#include <spdlog/formatter.h>
-
-#include <memory>
 #include <string>
+#include <vector>
 
 namespace driftwise {
 
-// pattern as spdlog's, with the message cleaned to one line (core/clean_text.h).
-std::unique_ptr<spdlog::formatter> clean_log_formatter(const std::string& pattern);
+// Of the whole process, once, before the first line. level: as of --log-level.
+void set_up_log(const std::string& level);
+
+// The newest lines, oldest first; any thread.
+std::vector<std::string> log_tail();
 
 }  // namespace driftwise

@@ -6,8 +6,6 @@
 // start-up failure is a sentence on standard error and an exit code: 3 bad input, 5 refused.
 
 #include <malloc.h>
-#include <spdlog/sinks/ringbuffer_sink.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -30,6 +28,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "drivers/all_devices.h"
@@ -37,6 +36,7 @@
 #include "server/application/cell/cell.h"
 #include "server/application/manual/manual_control.h"
 #include "server/application/plans/joint_targets.h"
+#include "server/application/plumbing/store_refusal.h"
 #include "server/application/serving/targets.h"
 #include "server/application/status/overview.h"
 #include "server/application/upkeep/cell_clock.h"
@@ -66,14 +66,6 @@ namespace fs = std::filesystem;
 
 // All three doors full, devices and database beside them.
 constexpr std::size_t kFewDescriptors = 1024;
-
-// Log lines that are kept in memory for a support bundle.
-constexpr std::size_t kLogTail = 4000;
-std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> log_tail_sink;
-
-std::vector<std::string> log_tail() {
-  return log_tail_sink ? log_tail_sink->last_formatted() : std::vector<std::string>();
-}
 
 struct Arguments {
   std::string cell_file;
@@ -399,15 +391,33 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
   std::_Exit(0);
 }
 
-void set_up_logging(const Arguments& arguments) {
-  log_tail_sink = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(kLogTail);
-  const spdlog::sinks_init_list sinks{std::make_shared<spdlog::sinks::stderr_sink_mt>(),
-                                      log_tail_sink};
-  auto logger = std::make_shared<spdlog::logger>("driftwised", sinks);
-  logger->set_level(spdlog::level::from_str(arguments.log_level));
-  logger->set_formatter(clean_log_formatter("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v"));
-  logger->flush_on(spdlog::level::info);
-  spdlog::set_default_logger(logger);
+// The same as put_together() of a context of its own; where the record takes nothing for now (a
+// full disk, a program that holds it) it waits and tries again, for whoever restarts daemons would
+// give this one up. Errors: its others; cancelled: a signal came meanwhile.
+Result<Daemon> put_together_when_storable(const CellDescription& description,
+                                          std::optional<asio::io_context>& context,
+                                          const Arguments& arguments, const sigset_t& signals) {
+  constexpr timespec kTryAgain{10, 0};
+  std::string told;
+  for (;;) {
+    context.emplace(1);  // nothing refers to one whose start failed
+    auto daemon = put_together(description, *context, arguments);
+    if (daemon || arguments.check || !application::may_be_stored_later(daemon.error()))
+      return daemon;
+    if (told != daemon.error().message) {
+      told = daemon.error().message;
+      spdlog::error(
+          "cannot start yet: {} ({}); nothing is measured or served meanwhile. The daemon waits "
+          "and "
+          "tries again every {} s, by itself",
+          told, daemon.error().reason, kTryAgain.tv_sec);
+      tell_service_manager_of_wait("waits to start: " + told);
+    }
+    if (const int signal = sigtimedwait(&signals, nullptr, &kTryAgain); signal > 0) {
+      spdlog::info("{}: ends before it could start", strsignal(signal));
+      return fail(ErrorCode::cancelled, reasons::kShuttingDown, "ended before it could start");
+    }
+  }
 }
 
 int run(const Arguments& arguments) {
@@ -439,15 +449,15 @@ int run(const Arguments& arguments) {
         "this process may open {} files and sockets, {} are needed when all doors are "
         "busy: raise the limit (LimitNOFILE, ulimit -n)",
         descriptors, kFewDescriptors);
-  asio::io_context context(1);
-  auto daemon = put_together(std::move(*description), context, arguments);
-  if (!daemon) return complain(daemon.error());
+  std::optional<asio::io_context> context;
+  auto daemon = put_together_when_storable(*description, context, arguments, signals);
+  if (!daemon) return daemon.error().code == ErrorCode::cancelled ? 0 : complain(daemon.error());
   if (arguments.check) {
     std::cout << arguments.cell_file << ": good: cell '" << name << "' with " << devices
               << " devices\n";
     return 0;
   }
-  serve_until_signal(*daemon, context, arguments, signals);
+  serve_until_signal(*daemon, *context, arguments, signals);
   daemon->rpc.reset();
   return 0;
 }
@@ -479,7 +489,7 @@ int main(int argc, char** argv) {
     app.exit(error);
     return error.get_exit_code() == 0 ? 0 : 2;
   }
-  driftwise::set_up_logging(arguments);
+  driftwise::set_up_log(arguments.log_level);
   try {
     return driftwise::run(arguments);
   } catch (const std::exception& failed) {

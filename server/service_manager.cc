@@ -35,6 +35,10 @@ void notify_manager(const std::string& socket_path, std::string_view state) {
 
 }  // namespace
 
+void tell_service_manager_of_wait(const std::string& why) {
+  notify_manager(environment("NOTIFY_SOCKET"), "STATUS=" + why.substr(0, why.find('\n')));
+}
+
 // Alive as long as its timer's handler is queued; ends when the manager forgets it.
 struct ServiceManager::Watchdog : std::enable_shared_from_this<Watchdog> {
   Watchdog(boost::asio::any_io_executor executor, std::string socket_path,
@@ -58,7 +62,7 @@ struct ServiceManager::Watchdog : std::enable_shared_from_this<Watchdog> {
 
 ServiceManager::ServiceManager(boost::asio::any_io_executor executor)
     : socket_(environment("NOTIFY_SOCKET")) {
-  notify_manager(socket_, "READY=1");
+  notify_manager(socket_, "READY=1\nSTATUS=");
   const long long period_us = std::atoll(environment("WATCHDOG_USEC").c_str());
   if (socket_.empty() || period_us <= 0) return;
   watchdog_ =

@@ -32,6 +32,7 @@ class Simulated : public Port {
   // Every exchange takes time, and fails while the device is away.
   Awaitable<Result<void>> answer(double seconds) {
     co_await time_.sleep_until(time_.now().utc + nanoseconds_from_s(seconds));
+    if (world_.cut) co_return fail(ErrorCode::aborted, "STOPPED", description_.id + ": stopped");
     if (away_)
       co_return fail(ErrorCode::unavailable, "LINK_DOWN",
                      description_.id + " at " + description_.address + ": connection refused");

@@ -24,6 +24,13 @@ struct Overloaded : Visits... {
   using Visits::operator()...;
 };
 
+// Cut off by a stop or the end of the daemon, or refused before it was sent: says nothing about the
+// device.
+bool is_no_answer(const Error& error) {
+  return error.code == ErrorCode::aborted || error.code == ErrorCode::cancelled ||
+         error.code == ErrorCode::invalid_argument || error.code == ErrorCode::out_of_range;
+}
+
 }  // namespace
 
 DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts,
@@ -58,6 +65,7 @@ template <class R>
 void DeviceBench::note(Slot& slot, const R& result) {
   // One garbled answer is an error on record (health), not a lost device; no answer at all is one.
   constexpr int kGarbledInARow = 3;
+  if (!result && is_no_answer(result.error())) return;
   if (result || !is_device_loss(result.error())) {
     slot.failures = 0;
     if (std::exchange(slot.lost, false)) on_change_(slot.description(), nullptr);

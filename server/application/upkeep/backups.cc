@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -130,6 +131,43 @@ void Backups::remove_parts(Store& store, const std::string& identity) {
   }
 }
 
+// A copy has the pages of the database; its log is not counted, for most of it is there twice.
+Result<void> Backups::check_room() const {
+  std::error_code failed;
+  const auto needed = fs::file_size(database_, failed);
+  if (failed) return {};
+  const auto space = fs::space(folder(), failed);
+  if (failed || space.available >= needed) return {};
+  constexpr double kBytesPerMegabyte = 1e6;
+  return fail(ErrorCode::resource_exhausted, reasons::kDiskFull,
+              fmt::format("a copy of {} needs {:.0f} MB and the disk of {} has {:.0f} MB: make "
+                          "room, keep fewer backups, or put them on another disk",
+                          database_, static_cast<double>(needed) / kBytesPerMegabyte, folder(),
+                          static_cast<double>(space.available) / kBytesPerMegabyte));
+}
+
+Backups::OnDisk Backups::on_disk_of_database() const {
+  OnDisk found;
+  struct stat of_folder {
+  }, of_database{};
+  if (::stat(database_.c_str(), &of_database) != 0) return found;
+  const bool is_made = ::stat(folder().c_str(), &of_folder) == 0;
+  // A folder that is not made yet is beside the database, or where its parent is.
+  if (!is_made && ::stat(fs::path(folder()).parent_path().c_str(), &of_folder) != 0) return found;
+  if (of_folder.st_dev != of_database.st_dev) return found;
+  if (rules_.every_h > 0)
+    found.to_come = {kept_count(rules_) + 1 - std::min(present_, kept_count(rules_)),
+                     rules_.every_h};
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder(), failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    std::error_code gone;
+    const auto bytes = entry->file_size(gone);
+    if (!gone) found.bytes += static_cast<std::int64_t>(bytes);
+  }
+  return found;
+}
+
 Awaitable<void> Backups::remove_unfinished() {
   // The next copy tries it again.
   static_cast<void>(co_await reader_.call([this](Store& store) -> Result<void> {
@@ -158,6 +196,7 @@ Awaitable<Result<RecordCopy>> Backups::make(const Caller* by) {
                       fmt::format("the folder of backups, {}, cannot be made: {}", folder(),
                                   failed.message()));
         remove_parts(store, identity);
+        DRIFTWISE_RETURN_IF_ERROR(check_room());
         DRIFTWISE_TRY(auto copy, store.audit().back_up(target, gives_way_));
         std::ofstream(fs::path(target).replace_extension(".head")) << to_string(copy.head) << '\n';
         return copy;
@@ -204,6 +243,7 @@ Awaitable<void> Backups::make_if_due() {
   const auto found = co_await reader_.call(
       [this](Store& store, UtcTime utc) -> Result<Present> { return present(store, utc); },
       utc_now());
+  if (found) present_ = found->paths.size();
   if (found && !found->paths.empty()) {
     const auto made = instant_of(instant_in(found->paths.back()));
     const bool is_before_now = !(clock_.utc(now) < made);

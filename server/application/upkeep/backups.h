@@ -9,6 +9,7 @@
 //
 // Executor's thread; the folder is read and written on the thread of the database's checks.
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -18,6 +19,7 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/application/ports/caller.h"
+#include "server/application/upkeep/disk_forecast.h"
 #include "server/core/description/backup_rules.h"
 #include "server/core/ports/clock.h"
 #include "server/core/records/copy_records.h"
@@ -35,6 +37,13 @@ class Backups {
   // By the schedule, where one is due; called every now and then.
   Awaitable<void> make_if_due();
   std::vector<AlarmCondition> conditions() const;
+  // Bytes of its folder and what the schedule will still put there; nothing where the folder is on
+  // another disk than the database.
+  struct OnDisk {
+    std::int64_t bytes = 0;
+    CopiesToCome to_come;
+  };
+  OnDisk on_disk_of_database() const;
   // What a copy that was killed left in the folder goes; called once, before the first look.
   Awaitable<void> remove_unfinished();
 
@@ -49,6 +58,7 @@ class Backups {
   void remove_parts(Store& store, const std::string& identity);
   bool is_own(Store& store, const std::string& path, const std::string& identity);
 
+  Result<void> check_room() const;
   std::string folder() const;
   std::string stem() const;
   UtcTime utc_now() const { return clock_.utc(clock_.now().utc); }
@@ -61,6 +71,7 @@ class Backups {
   std::function<bool()> gives_way_;
   std::map<std::string, std::string> identities_;  // of copies without it in their name, by path
   bool under_way_ = false;
+  std::size_t present_ = 0;  // copies by the last look at the schedule
   CellTime next_try_;
   std::string failed_;  // why the last one by the schedule was not made
 };

@@ -41,6 +41,7 @@ DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std
 
 void DatabaseUpkeep::start() {
   tasks_.spawn(watch());
+  tasks_.spawn(keep_measured());
   tasks_.spawn(keep_backups());
   if (thinning_.after_days > 0) tasks_.spawn(keep_thin());
   if (!checker_) return;
@@ -76,16 +77,18 @@ Awaitable<void> DatabaseUpkeep::watch() {
 
 Awaitable<void> DatabaseUpkeep::keep_backups() {
   constexpr double kLookAtSchedule_s = 60;
-  CellTime measured{0};
   co_await backups_.remove_unfinished();
   while (!ending_) {
-    const auto now = clock_.now().utc;
-    if (seconds_from(now - measured) >= kMeasure_s) {
-      measured = now;
-      measure();
-    }
     co_await backups_.make_if_due();
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(kLookAtSchedule_s), ended_);
+  }
+}
+
+// Its own task: a copy takes as long as the disk needs, and that is when the disk fills.
+Awaitable<void> DatabaseUpkeep::keep_measured() {
+  while (!ending_) {
+    measure();
+    co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(kMeasure_s), ended_);
   }
 }
 
@@ -95,9 +98,18 @@ void DatabaseUpkeep::measure() {
   if (none) return;
   const auto space = std::filesystem::space(std::filesystem::path(path_).parent_path(), none);
   if (none) return;
+  const auto now = clock_.now().utc;
   disk_free_gb_ = static_cast<double>(space.available) / 1e9;
-  forecast_.take(clock_.now().utc, static_cast<std::int64_t>(bytes) + log_bytes(),
-                 static_cast<std::int64_t>(space.available));
+  disk_looked_at_ = now;
+  const auto on_disk = backups_.on_disk_of_database();
+  forecast_.take({now, static_cast<std::int64_t>(bytes) + log_bytes(),
+                  static_cast<std::int64_t>(space.available), on_disk.bytes},
+                 on_disk.to_come);
+}
+
+std::optional<double> DatabaseUpkeep::disk_free_gb() const {
+  if (seconds_from(clock_.now().utc - disk_looked_at_) > 2 * kMeasure_s) return std::nullopt;
+  return disk_free_gb_;
 }
 
 Awaitable<Result<RecordCopy>> DatabaseUpkeep::back_up(Caller caller) {

@@ -53,11 +53,12 @@ class DatabaseUpkeep final : public RecordKeeping {
 
   std::vector<AlarmCondition> conditions() const;
   const DatabaseHealth& health() const { return health_; }
-  // Of the database's disk, 1e9 bytes, as measured last; none: not measured.
-  std::optional<double> disk_free_gb() const { return disk_free_gb_; }
+  // Of the database's disk, 1e9 bytes, as measured last; none: not since two periods of it.
+  std::optional<double> disk_free_gb() const;
 
  private:
   Awaitable<void> watch();
+  Awaitable<void> keep_measured();
   Awaitable<void> keep_backups();
   Awaitable<void> keep_thin();
   // done: what was done, also before a failure; it outlives the call.
@@ -104,6 +105,7 @@ class DatabaseUpkeep final : public RecordKeeping {
   bool thinning_under_way_ = false;
   DiskForecast forecast_;
   std::optional<double> disk_free_gb_;
+  CellTime disk_looked_at_;
   Signal ended_;
   bool ending_ = false;
 };

@@ -47,6 +47,17 @@ TEST_F(RunTroubles, WaitsForALostControllerAndGoesOnByItself) {
   EXPECT_EQ(cell.events_named("device.back").size(), 1u);
 }
 
+TEST_F(RunTroubles, ADeviceIsBackByAnAnswerAndNotByAnExchangeThatIsCutOff) {
+  world.scanner_away = true;
+  cell.until([&] { return cell.events_named("device.lost").size() == 1; });
+  world.cut = true;
+  cell.pass(60);
+  EXPECT_EQ(cell.events_named("device.back").size(), 0u);
+  EXPECT_EQ(cell.events_named("device.lost").size(), 1u);  // nor is any other lost by it
+  world.cut = world.scanner_away = false;
+  cell.until([&] { return cell.events_named("device.back").size() == 1; });
+}
+
 TEST_F(RunTroubles, AsksAPersonThenHomesAndOpensADatumWhenTheReferenceWasLost) {
   begin_and_accept(3);
   const int homes = world.homes, moves = world.moves;

@@ -150,30 +150,61 @@ TEST_F(BackupsInACell, ThatCannotBeLookedForAreAnAlarmAndAreTriedAgain) {
   EXPECT_THAT(running.alarms_of("backup.failed"), SizeIs(1)) << "the cell works on";
 }
 
+constexpr std::int64_t kMega = 1'000'000, kGiga = 1'000'000'000;
+
+CellTime at_h(double hours) { return CellTime{0} + nanoseconds_from_s(hours * 3600); }
+
 TEST(DiskForecast, NeedsAnHourAndGrowth) {
   application::DiskForecast forecast;
-  const auto at_h = [](double hours) { return CellTime{0} + nanoseconds_from_s(hours * 3600); };
-  forecast.take(at_h(0), 100'000'000, 1'000'000'000);
-  forecast.take(at_h(0.5), 101'000'000, 1'000'000'000);
+  forecast.take({at_h(0), 100 * kMega, 226 * kMega}, {});
+  forecast.take({at_h(0.5), 101 * kMega, 225 * kMega}, {});
   EXPECT_FALSE(forecast.days());
-  forecast.take(at_h(2), 110'000'000, 216'000'000);
-  EXPECT_DOUBLE_EQ(forecast.bytes_per_hour(), 5'000'000);
+  forecast.take({at_h(2), 110 * kMega, 216 * kMega}, {});
+  EXPECT_DOUBLE_EQ(forecast.bytes_per_hour(), 5e6);
   EXPECT_DOUBLE_EQ(*forecast.days(), 1.8);
   EXPECT_THAT(forecast.warning("cell.db"), HasSubstr("the disk of cell.db is full in 43 hours"));
 }
 
 TEST(DiskForecast, GoesByTheLastDayAndIsSilentWhileThereIsRoom) {
   application::DiskForecast forecast;
-  const auto at_h = [](double hours) { return CellTime{0} + nanoseconds_from_s(hours * 3600); };
   // A day of 10 MB an hour, then two of 1 MB an hour.
-  double bytes = 0;
+  std::int64_t bytes = 0;
   for (int hour = 0; hour <= 72; ++hour) {
-    forecast.take(at_h(hour), static_cast<std::int64_t>(bytes), 216'000'000);
-    bytes += hour < 24 ? 10e6 : 1e6;
+    forecast.take({at_h(hour), bytes, 504 * kMega - bytes}, {});
+    bytes += hour < 24 ? 10 * kMega : kMega;
   }
   EXPECT_DOUBLE_EQ(forecast.bytes_per_hour(), 1e6);
   EXPECT_THAT(forecast.warning("cell.db"), HasSubstr("is full in 9 days"));
-  forecast.take(at_h(73), static_cast<std::int64_t>(bytes), 1'000'000'000'000);
+  forecast.take({at_h(73), bytes, 1000 * kGiga}, {});
+  EXPECT_THAT(forecast.warning("cell.db"), IsEmpty());
+}
+
+TEST(DiskForecast, SeesWhatOtherProgramsWriteToTheSameDisk) {
+  application::DiskForecast forecast;
+  forecast.take({at_h(0), 100 * kMega, 20 * kGiga}, {});
+  forecast.take({at_h(24), 101 * kMega, 18 * kGiga}, {});
+  EXPECT_DOUBLE_EQ(*forecast.days(), 9);
+}
+
+// 21 GB that grow by 57.5 MB a day, a copy each day, 14 kept: the eighth does not fit.
+TEST(DiskForecast, CountsTheBackupsThatTheScheduleWillStillAdd) {
+  application::DiskForecast forecast;
+  forecast.take({at_h(0), 21 * kGiga, 150 * kGiga}, {15, 24});
+  EXPECT_DOUBLE_EQ(*forecast.days(), 8) << "known without any growth";
+  EXPECT_THAT(forecast.warning("cell.db"),
+              HasSubstr("still adds 15 copies of 21000 MB; make room, keep fewer backups"));
+  forecast.take({at_h(24), 21 * kGiga + 58 * kMega, 129 * kGiga - 58 * kMega, 21 * kGiga},
+                {14, 24});
+  EXPECT_DOUBLE_EQ(*forecast.days(), 7);
+  EXPECT_NEAR(forecast.bytes_per_hour(), 58e6 / 24, 1) << "the copy is no growth";
+}
+
+TEST(DiskForecast, IsSilentWhereEveryCopyOfTheScheduleFits) {
+  application::DiskForecast forecast;
+  forecast.take({at_h(0), 21 * kGiga, 400 * kGiga}, {15, 24});
+  forecast.take({at_h(24), 21 * kGiga + 58 * kMega, 379 * kGiga - 58 * kMega, 21 * kGiga},
+                {14, 24});
+  EXPECT_GT(*forecast.days(), 1000);
   EXPECT_THAT(forecast.warning("cell.db"), IsEmpty());
 }
 
