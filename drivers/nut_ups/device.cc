@@ -10,6 +10,7 @@ std::vector<Channel> channels_of_ups(const DeviceDescription& device) {
   const std::string stem = symbol_from_id(device.id);
   return {{stem + "_on_battery", "1"},
           {stem + "_low_battery", "1"},
+          {stem + "_forced", "1"},
           {stem + "_charge", "pct"},
           {stem + "_runtime", "s"}};
 }

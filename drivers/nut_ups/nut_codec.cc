@@ -1,6 +1,7 @@
 #include "drivers/nut_ups/nut_codec.h"
 
 #include <cmath>
+#include <utility>
 
 #include "drivers/transport/framing.h"
 #include "drivers/transport/words.h"
@@ -54,20 +55,27 @@ Result<Supply> parse_status(std::string_view status) {
     return fail(ErrorCode::failed_precondition, reasons::kUpsStale,
                 "upsd waits for its UPS driver (upsdrvctl)");
   Supply supply;
-  bool says_where = false, on_line = false, low = false, ends = false;
+  bool says_where = false, low = false;
   while (!status.empty()) {
     const std::size_t end = std::min(status.find(' '), status.size());
     const std::string_view word = status.substr(0, end);
     status.remove_prefix(std::min(end + 1, status.size()));
     says_where = says_where || word == "OL" || word == "OB" || word == "FSD" || word == "BYPASS";
-    on_line = on_line || word == "OL";
+    supply.on_mains = supply.on_mains || word == "OL";
     supply.on_battery = supply.on_battery || word == "OB";
     low = low || word == "LB";
-    ends = ends || word == "FSD";
+    supply.forced = supply.forced || word == "FSD";
   }
   if (!says_where) return bad_nut_reply("OL or OB among the words of ups.status");
-  supply.low_battery = (low && supply.on_battery) || (ends && !on_line);
+  supply.low_battery = low && supply.on_battery;
   return supply;
+}
+
+bool AboutToGo::take(const Supply& supply) {
+  const bool is_first = !std::exchange(seen_, true);
+  is_old_ = supply.forced && (is_first || is_old_);
+  const bool ends = supply.forced && !(is_old_ && supply.on_mains);
+  return supply.low_battery || ends;
 }
 
 Result<double> parse_quantity(std::string_view text, std::string_view name) {

@@ -29,13 +29,32 @@ Result<std::optional<std::string>> parse_value(std::string_view line, std::strin
 
 struct Supply {
   bool on_battery = false;  // OB
-  // Power is about to go: LB while on battery, or FSD without OL. A battery that is charged after a
-  // power cut is low as well, and mains are there: OL CHRG LB.
+  // LB while on battery. A battery that is charged after a power cut is low as well, and mains are
+  // there: OL CHRG LB.
   bool low_battery = false;
+  // FSD: upsd has announced a forced shutdown. It brings down a computer whose supply is otherwise
+  // well, and is not taken back when mains return (upsmon(8), "Forced shutdowns"): upsd keeps the
+  // word until it is started anew.
+  bool forced = false;
+  bool on_mains = false;  // OL
 };
 // Errors: data_loss BAD_REPLY: neither OL nor OB, nor another word that says where power comes
 // from; failed_precondition UPS_STALE: WAIT, upsd has not heard of the UPS yet.
 Result<Supply> parse_status(std::string_view status);
+
+// Whether power is about to go, by one supply's statuses since the start. A forced shutdown that
+// was there at the first one, beside mains, is left over from before: acted on, it would end the
+// daemon each time it is started.
+class AboutToGo {
+ public:
+  // True: LB while on battery; FSD, whatever stands beside it, that began since the start; an older
+  // one that is no longer beside mains.
+  bool take(const Supply& supply);
+
+ private:
+  bool seen_ = false;
+  bool is_old_ = false;  // the forced shutdown that stands was there at the first status
+};
 
 // A number from 0 up. Errors: data_loss BAD_REPLY.
 Result<double> parse_quantity(std::string_view text, std::string_view name);

@@ -70,7 +70,8 @@ Awaitable<Result<Reading>> NutUps::read() {
   DRIFTWISE_CO_TRY(const double runtime_s, co_await quantity("battery.runtime"));
   out.end = clock_.now().utc;
   out.values = {{symbol_ + "_on_battery_1", supply->on_battery ? 1.0 : 0.0},
-                {symbol_ + "_low_battery_1", supply->low_battery ? 1.0 : 0.0},
+                {symbol_ + "_low_battery_1", about_to_go_.take(*supply) ? 1.0 : 0.0},
+                {symbol_ + "_forced_1", supply->forced ? 1.0 : 0.0},
                 {symbol_ + "_charge_pct", charge_pct},
                 {symbol_ + "_runtime_s", runtime_s}};
   out.sequence = ++sequence_;

@@ -1,8 +1,9 @@
 #pragma once
 // The loop behind Instrument for one uninterruptible supply behind upsd (Network UPS Tools).
 //
-// read() gives <id>_on_battery_1 and <id>_low_battery_1 (0 or 1), <id>_charge_pct and
-// <id>_runtime_s (kMissing where the supply does not say). start and end are cell time.
+// read() gives <id>_on_battery_1, <id>_low_battery_1 (power is about to go) and <id>_forced_1 (0 or
+// 1), <id>_charge_pct and <id>_runtime_s (kMissing where the supply does not say). start and end
+// are cell time.
 
 #include "drivers/nut_ups/nut_codec.h"
 #include "drivers/transport/line_device.h"
@@ -31,6 +32,7 @@ class NutUps final : public transport::LineDevice<Instrument> {
 
   Options options_;
   std::string symbol_;
+  AboutToGo about_to_go_;
   std::int64_t sequence_ = 0;
 };
 

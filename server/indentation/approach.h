@@ -2,6 +2,10 @@
 // One approach of the robot below to the robot above, in steps, until they touch: what to do next,
 // from what was seen. The caller moves and looks; a person's program, a test and a count use the
 // same decisions. Pure; one thread.
+//
+// The reference is the rest while the robots are clearly apart, read before the robot below rises
+// to depart_mm: a height in contact already has no free window to compare with. A sign at depart_mm
+// is then a contact that was there before the first step, and no height.
 
 #include <string>
 
@@ -24,20 +28,24 @@ class Approach {
 
   struct Next {
     enum class Kind {
+      rest,        // clearly apart, where the robot below stands: read a window; nothing moves
       look,        // at height_mm, which was reached before: read another window
       move,        // to height_mm, then read a window
       contact,     // over
+      touching,    // over: in contact at depart_mm already; no height
       no_contact,  // over: the highest place, or as many steps as allowed, without contact
       abort,       // over: retract, then look for the cause
     };
     Kind kind = Kind::move;
-    double height_mm = 0;  // of the robot below: where it is or goes; contact: the estimate
-    double u_nm = 0;       // contact: standard uncertainty by the step, step / root of 12
-    std::string why{};     // no_contact, abort: figures, and what to do
+    // Of the robot below: where it is or goes; rest: where it goes afterwards; contact: the
+    // estimate.
+    double height_mm = 0;
+    double u_nm = 0;    // contact: standard uncertainty by the step, step / root of 12
+    std::string why{};  // no_contact, touching, abort: figures, and what to do
   };
 
-  Next begin() const { return {.kind = Next::Kind::move, .height_mm = rule_.depart_mm}; }
-  // After begin() and after each answer look or move. Errors: those of ContactDetector::add.
+  Next begin() const { return {.kind = Next::Kind::rest, .height_mm = rule_.depart_mm}; }
+  // After begin() and after each answer rest, look or move. Errors: those of ContactDetector::add.
   Result<Next> next(const Eigen::Ref<const Eigen::MatrixXd>& holding_error_nm);
 
   int steps() const { return steps_; }
@@ -51,7 +59,7 @@ class Approach {
   ApproachRule rule_;
   ContactDetector detector_;
   double height_mm_;
-  int steps_ = 0;
+  int rests_ = 0, steps_ = 0;
 };
 
 }  // namespace driftwise::indentation

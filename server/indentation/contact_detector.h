@@ -5,7 +5,8 @@
 //
 // A window is one look: N readings (rows) of all axes (columns), nm. Its mean is compared with the
 // median of the last windows without contact: one that was knocked does not shift it, and a slow
-// drift goes with it. Two ways to a contact:
+// drift goes with it. The first windows, the rest, are taken as free without being judged: whoever
+// adds them knows that the robots are apart. Two ways to a contact:
 // - clear: every axis is off by the threshold or more, all to one side, in two consecutive windows.
 // - faint: the sum over the axes is off by six of its own standard deviations, as the windows
 //   without contact have them, and every axis has at least half of the mean shift on that side, in
@@ -31,7 +32,7 @@ namespace driftwise::indentation {
 struct ContactRule {
   double threshold_nm = 125;
   double abort_nm = 1000;    // an axis off by more, in two consecutive windows: something is wrong
-  int baseline_windows = 5;  // before the approach; and later, of the last windows without contact
+  int baseline_windows = 5;  // of the rest, apart; and later, of the last windows without contact
 };
 
 constexpr int kMostLooks = 40;  // at one height
@@ -39,7 +40,7 @@ constexpr int kMostLooks = 40;  // at one height
 class ContactDetector {
  public:
   enum class Verdict {
-    baseline,    // one more window of the baseline was taken
+    baseline,    // one more window of the rest was taken, unjudged
     free,        // no contact
     look_again,  // the next window decides; nothing may move before it
     contact,

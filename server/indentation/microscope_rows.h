@@ -20,7 +20,8 @@ struct MicroscopeIndent {
 
 // Distances from the common zero along each line. Errors: invalid_argument NO_SUCH_ROW (an indent
 // was not measured); IDS_SHIFTED: a row lies at the place of another indent than its number says,
-// as when an interrupted contact left no mark and the numbers after it are one too small.
+// as when an interrupted contact left no mark and the numbers after it are one too small;
+// WRONG_COORDINATES: all rows would lie at their places in a mirrored or turned picture.
 Result<std::vector<Indent>> indents_seen(const ProcedureRecord& record,
                                          std::span<const MicroscopeIndent> rows);
 

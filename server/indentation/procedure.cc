@@ -26,11 +26,14 @@ class Procedure {
     give_up_contact("the client was lost during the contact");
     // The robot below goes away before anything else moves.
     DRIFTWISE_RETURN_IF_ERROR(lower());
-    DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(rules_.zero_x_mm, rules_.zero_y_mm, rules_.work_mm));
+    const std::string forgotten = forget_other_heights();
+    if (!forgotten.empty()) DRIFTWISE_RETURN_IF_ERROR(lower());
+    DRIFTWISE_RETURN_IF_ERROR(above(rules_.zero_x_mm, rules_.zero_y_mm));
     DRIFTWISE_RETURN_IF_ERROR(rest());
     record_.in_contact = false;
     if (interrupted)
       DRIFTWISE_RETURN_IF_ERROR(say("the contact before was interrupted: retracted"));
+    if (!forgotten.empty()) DRIFTWISE_RETURN_IF_ERROR(say(forgotten));
     if (record_.aside_um > 0)
       DRIFTWISE_RETURN_IF_ERROR(say("the next contact is " + digits_text(record_.aside_um) +
                                     " um beside, on a fresh surface"));
@@ -56,10 +59,68 @@ class Procedure {
     DRIFTWISE_TRY(const auto answer, cell_.retract_below(record_.rx_arcsec, record_.ry_arcsec,
                                                          awaited_mm - rules_.clearance_mm));
     record_.by = answer.by;
+    source_ = answer.source;
     return {};
   }
 
  private:
+  Result<void> changed() {
+    ++record_.revision;
+    return on_change_(record_);
+  }
+
+  // What was touched counts from another height of the robot above, or in the coordinates of
+  // another source: an approach that trusts it could begin inside the work-piece. Said; empty: the
+  // heights stand.
+  std::string forget_other_heights() {
+    const bool knows_heights = record_.touched || !record_.touches.empty();
+    if (!record_.heights_by && knows_heights)
+      record_.heights_by = {.work_mm = rules_.work_mm, .source = source_};
+    if (!record_.heights_by) return {};
+    const HeightBasis before = *record_.heights_by;
+    const bool other_source = before.source != source_;
+    if (before.work_mm == rules_.work_mm && !other_source) return {};
+    record_.heights_by.reset();
+    record_.touched = false;
+    // The tilts of an alignment are the source's coordinates too.
+    const bool aligns_anew = other_source && record_.stage == Stage::zero;
+    if (aligns_anew) record_.stage = Stage::align;
+    if (aligns_anew || !record_.touches.empty()) ++record_.anew;
+    record_.touches.clear();
+    const auto basis = [](const HeightBasis& one) {
+      return "work_mm " + number_text(one.work_mm) +
+             (one.source.empty() ? "" : " and moved by " + one.source);
+    };
+    return "the heights were touched with " + basis(before) + ", now it is " +
+           basis({.work_mm = rules_.work_mm, .source = source_}) +
+           ": they are forgotten, and touched anew from depart_mm";
+  }
+
+  // Of the awaited contact: where the approach begins, and its highest place.
+  ApproachRule awaited() const {
+    ApproachRule rule = rules_.approach;
+    if (!record_.touched) return rule;
+    rule.depart_mm = record_.height_mm - rules_.near_mm;
+    rule.highest_mm = record_.height_mm + rules_.near_mm;
+    return rule;
+  }
+
+  // Heights of two sources are not compared.
+  Result<void> answered(const TouchingCell::Answer& answer) {
+    record_.by = answer.by;
+    source_ = answer.source;
+    if (!record_.heights_by || record_.heights_by->source == source_) return {};
+    return fail(ErrorCode::failed_precondition, reasons::kConfigurationChanged,
+                "the robots are moved by " + source_ + " now, the heights were touched by " +
+                    record_.heights_by->source +
+                    ": the same command goes on, and touches them anew");
+  }
+
+  Result<void> above(double x_mm, double y_mm) {
+    DRIFTWISE_TRY(const auto answer, cell_.move_above(x_mm, y_mm, rules_.work_mm));
+    return answered(answer);
+  }
+
   Result<void> retract() {
     DRIFTWISE_RETURN_IF_ERROR(lower());
     return rest();
@@ -67,13 +128,12 @@ class Procedure {
 
   Result<void> say(std::string sentence) {
     record_.log.push_back(std::string(to_string(record_.stage)) + ": " + std::move(sentence));
-    return on_change_(record_);
+    return changed();
   }
 
   Result<void> below(double z_mm) {
     DRIFTWISE_TRY(const auto answer, cell_.move_below(record_.rx_arcsec, record_.ry_arcsec, z_mm));
-    record_.by = answer.by;
-    return {};
+    return answered(answer);
   }
 
   // The servo of the robot above gives back what it pushed with, after a contact.
@@ -94,17 +154,19 @@ class Procedure {
                     digits_text(rules_.rest_nm) + " nm. Is it free of the work-piece?");
   }
 
-  // One contact at (x, y): from below, to the decision; pressed when it is an indent.
-  Result<TouchRecord> touch(double depart_mm, double highest_mm, double press_mm) {
+  // One contact at (x, y): from below, to the decision; pressed when it is an indent. The robot
+  // below stands the clearance below, or lower.
+  Result<TouchRecord> touch(double press_mm) {
     using Kind = Approach::Next::Kind;
-    ApproachRule rule = rules_.approach;
-    rule.depart_mm = depart_mm;
-    rule.highest_mm = highest_mm;
-    DRIFTWISE_TRY(auto approach, Approach::create(rule));
+    DRIFTWISE_TRY(auto approach, Approach::create(awaited()));
+    auto next = approach.begin();
+    while (next.kind == Kind::rest) {
+      DRIFTWISE_TRY(const auto window, cell_.look());
+      DRIFTWISE_TRY(next, approach.next(window));
+    }
     record_.in_contact = true;
     ++record_.contacts;
-    DRIFTWISE_RETURN_IF_ERROR(on_change_(record_));
-    auto next = approach.begin();
+    DRIFTWISE_RETURN_IF_ERROR(changed());
     while (next.kind == Kind::move || next.kind == Kind::look) {
       if (next.kind == Kind::move)
         DRIFTWISE_RETURN_IF_ERROR(below(next.height_mm));
@@ -117,10 +179,14 @@ class Procedure {
       --record_.contacts;
       record_.in_contact = false;
     }
+    if (next.kind == Kind::touching || (next.kind == Kind::abort && approach.steps() == 0))
+      next.why +=
+          record_.touched ? " ([approach] near_mm larger)" : " ([approach] depart_mm lower)";
     if (next.kind != Kind::contact)
       return fail(ErrorCode::failed_precondition,
-                  next.kind == Kind::abort ? reasons::kOutsideLimits : reasons::kNothingFound,
+                  next.kind == Kind::no_contact ? reasons::kNothingFound : reasons::kOutsideLimits,
                   next.why);
+    record_.heights_by = {.work_mm = rules_.work_mm, .source = source_};
     if (press_mm > 0) DRIFTWISE_RETURN_IF_ERROR(press(approach, press_mm));
     return TouchRecord{.height_mm = next.height_mm,
                        .u_nm = next.u_nm,
@@ -191,28 +257,24 @@ class Procedure {
   // It counts from here on, whatever becomes of the retract.
   Result<void> recorded() {
     record_.aside_um = 0;
-    return on_change_(record_);
+    return changed();
   }
 
   Result<void> retracted() {
     record_.in_contact = false;
-    return on_change_(record_);
+    return changed();
   }
 
   Result<void> align() {
-    double depart_mm = rules_.approach.depart_mm, highest_mm = rules_.approach.highest_mm;
     for (;;) {
-      if (record_.touched) {
-        depart_mm = record_.height_mm - rules_.near_mm;
-        highest_mm = record_.height_mm + rules_.near_mm;
-      }
       while (record_.touches.size() < rules_.touch_mm.size()) {
         const auto& [x_mm, y_mm] = rules_.touch_mm[record_.touches.size()];
-        const double x = x_mm + record_.corrections * rules_.shift_x_mm + aside_mm();
-        const double y = y_mm + record_.corrections * rules_.shift_y_mm;
-        DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(x, y, rules_.work_mm));
+        const int shifts = record_.corrections + record_.anew;
+        const double x = x_mm + shifts * rules_.shift_x_mm + aside_mm();
+        const double y = y_mm + shifts * rules_.shift_y_mm;
+        DRIFTWISE_RETURN_IF_ERROR(above(x, y));
         DRIFTWISE_RETURN_IF_ERROR(rest());
-        DRIFTWISE_TRY(auto found, touch(depart_mm, highest_mm, 0));
+        DRIFTWISE_TRY(auto found, touch(0));
         found.x_mm = x;
         found.y_mm = y;
         record_.touches.push_back(found);
@@ -233,8 +295,10 @@ class Procedure {
                  corrects ? step.ry_arcsec : record_.ry_arcsec);
       record_.spread_nm = step.plane.spread_nm;
       record_.touches.clear();
-      if (step.kind == AlignmentStep::Kind::refused)
+      if (step.kind == AlignmentStep::Kind::refused) {
+        ++record_.anew;  // these places are used
         return fail(ErrorCode::failed_precondition, reasons::kNoConvergence, step.sentence);
+      }
       record_.height_mm = step.plane.c_mm;
       record_.touched = true;
       if (step.kind == AlignmentStep::Kind::accepted) {
@@ -251,12 +315,10 @@ class Procedure {
 
   // Poses of both robots at the contact, and the temperatures then.
   Result<void> find_zero() {
-    DRIFTWISE_RETURN_IF_ERROR(
-        cell_.move_above(rules_.zero_x_mm, rules_.zero_y_mm + aside_mm(), rules_.work_mm));
+    DRIFTWISE_RETURN_IF_ERROR(above(rules_.zero_x_mm, rules_.zero_y_mm + aside_mm()));
     DRIFTWISE_RETURN_IF_ERROR(rest());
     DRIFTWISE_TRY(const auto placed, cell_.here());
-    DRIFTWISE_TRY(auto found, touch(record_.height_mm - rules_.near_mm,
-                                    record_.height_mm + rules_.near_mm, rules_.press_mm));
+    DRIFTWISE_TRY(auto found, touch(rules_.press_mm));
     DRIFTWISE_TRY(record_.zero_here, cell_.here());
     // Where the tool was before it was pushed.
     record_.zero_here.x_mm = placed.x_mm;
@@ -268,6 +330,7 @@ class Procedure {
     record_.zero = found;
     note_contact(found, "");
     record_.height_mm = found.height_mm;
+    record_.touched = true;
     record_.stage = Stage::indents;
     DRIFTWISE_RETURN_IF_ERROR(recorded());
     DRIFTWISE_RETURN_IF_ERROR(retract());
@@ -293,16 +356,16 @@ class Procedure {
     const double way_mm = planned.at_um / kUmOfMm;
     const double dx = planned.line == Line::x ? way_mm : aside_mm();
     const double dy = planned.line == Line::y ? way_mm : aside_mm();
-    DRIFTWISE_TRY(const auto answer,
-                  cell_.move_above(record_.zero.x_mm + dx, record_.zero.y_mm + dy, rules_.work_mm));
+    DRIFTWISE_RETURN_IF_ERROR(above(record_.zero.x_mm + dx, record_.zero.y_mm + dy));
+    const std::string by = record_.by;
     DRIFTWISE_RETURN_IF_ERROR(rest());
     if (planned.closed_loop) DRIFTWISE_RETURN_IF_ERROR(close_loop(planned.id, dx, dy));
     DRIFTWISE_TRY(const auto placed, cell_.here());
-    DRIFTWISE_TRY(auto found, touch(record_.height_mm - rules_.near_mm,
-                                    record_.height_mm + rules_.near_mm, rules_.press_mm));
+    DRIFTWISE_TRY(auto found, touch(rules_.press_mm));
     found.x_mm = record_.zero.x_mm + dx;
     found.y_mm = record_.zero.y_mm + dy;
     record_.height_mm = found.height_mm;
+    record_.touched = true;
     note_contact(found, planned.id);
     record_.indents.push_back({.planned = planned,
                                .touch = found,
@@ -310,7 +373,7 @@ class Procedure {
                                .placed_y_um = (placed.y_mm - record_.zero_here.y_mm) * kUmOfMm,
                                .rx_arcsec = placed.rx_arcsec - record_.zero_here.rx_arcsec,
                                .ry_arcsec = placed.ry_arcsec - record_.zero_here.ry_arcsec,
-                               .by = answer.by});
+                               .by = by});
     DRIFTWISE_RETURN_IF_ERROR(recorded());
     DRIFTWISE_RETURN_IF_ERROR(retract());
     DRIFTWISE_RETURN_IF_ERROR(retracted());
@@ -345,6 +408,7 @@ class Procedure {
   const ProcedureRules& rules_;
   ProcedureRecord& record_;
   const OnChange& on_change_;
+  std::string source_;  // of the last motor coordinates
 };
 
 }  // namespace
@@ -374,6 +438,7 @@ Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, Procedur
     error.message += "; the robot below could not be retracted: " + away.error().message;
   }
   record.log.push_back(std::string(to_string(record.stage)) + ": " + error.message);
+  ++record.revision;
   if (const auto kept = on_change(record); !kept && kept.error().message != cause)
     error.message += "; and " + kept.error().message;
   return tl::unexpected(error);

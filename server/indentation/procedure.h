@@ -9,7 +9,9 @@
 // recorded is made again beside (retry_um), never in the same place. After a stop of the axes
 // nothing moves until somebody starts again.
 
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +30,9 @@ class TouchingCell {
 
   struct Answer {
     std::string by{};  // which model answered: "plan 1: ma=coarse:10", "geometry: raw coordinates"
+    // What heights depend on: "plan 1", "geometry". A height that was touched by one says nothing
+    // about another.
+    std::string source{};
   };
   virtual Result<Answer> move_above(double x_mm, double y_mm, double z_mm) = 0;
   virtual Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) = 0;
@@ -96,6 +101,12 @@ struct MadeIndent {
   std::string by{};
 };
 
+// What the heights of a record depend on.
+struct HeightBasis {
+  double work_mm = 0;    // height of the robot above
+  std::string source{};  // TouchingCell::Answer::source
+};
+
 // A contact on the substrate as it ended.
 struct ContactRecord {
   TouchRecord touch{};
@@ -119,15 +130,21 @@ struct RoundRecord {
 
 struct ProcedureRecord {
   std::string key{};  // of this indentation, made by the client at its first start
+  // Age of the record: one more at each change. The number of contacts is none: it goes back where
+  // an approach touched nothing.
+  std::int64_t revision = 0;
   Stage stage = Stage::align;
   std::string tool{};
-  int contacts = 0;         // on the substrate so far, interrupted ones included
+  int contacts = 0;  // on the substrate so far, interrupted ones included; the next is one more
   bool in_contact = false;  // one was begun, and the robot below was not retracted since
   double aside_um = 0;      // of the next contact: after an interrupted one, a fresh place
   int corrections = 0;
+  int anew = 0;                         // rounds begun anew, at fresh places, without a correction
   double rx_arcsec = 0, ry_arcsec = 0;  // told to the robot below
   double height_mm = 0;                 // contact awaited at the zero
   bool touched = false;                 // height_mm is known
+  // Of height_mm and touches; none: nothing was touched, or by a program that did not note it.
+  std::optional<HeightBasis> heights_by{};
   double spread_nm = 0;
   std::vector<TouchRecord> touches{};  // of the round of the alignment under way
   std::vector<std::string> log{};      // sentences, with the stage
@@ -143,10 +160,13 @@ struct ProcedureRecord {
 // robot below is retracted.
 using OnChange = std::function<Result<void>(const ProcedureRecord&)>;
 
-// Goes on where the record is, until the microscope's turn. Errors: those of the cell and of
+// Goes on where the record is, until the microscope's turn. Heights that were touched with another
+// height of the robot above or by another source are forgotten, and touched anew from depart_mm.
+// Errors: those of the cell and of
 // on_change; failed_precondition OTHER_TOOL (the record was begun with another), NO_CONVERGENCE
-// (alignment or closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error),
-// CONTACT_LOST (while it was pressed), NO_REST.
+// (alignment or closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error, or in
+// contact where the approach was to begin), CONTACT_LOST (while it was pressed), NO_REST,
+// CONFIGURATION_CHANGED (another source of motor coordinates in the middle).
 // After an error the robot below has been retracted, or the sentence says that it could not be; one
 // that stands lower has not moved. After an error aborted (the axes were stopped, by a person or by
 // the daemon) nothing has moved any more.

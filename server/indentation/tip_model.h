@@ -8,6 +8,12 @@
 // indent counts as 0 by definition.
 // Source: E. Lubrano, EPFL thesis 5098 (2011), sections 8.2.4 and 8.4; sizes of a, c by a rigid
 // body.
+//
+// Verdict: ISO 14253-1, with the marking's U. Where no indent alone is beyond, those of a line are
+// judged together: chi2 is the least sum of (true error less error seen)^2 / u^2 over true errors
+// that all lie within the wanted accuracy. The marking of the first indent is one quantity, common
+// to the line. Beyond: chi2 above its 95 % with as many degrees of freedom as indents, which is on
+// the safe side.
 
 #include <optional>
 #include <span>
@@ -38,13 +44,29 @@ struct ErrorCurve {
   double rms_um = 0;
 };
 
+enum class Conformity {
+  within,     // |error| + U of every indent is within the wanted accuracy
+  undecided,  // neither: the pictures are too coarse to tell
+  beyond,     // |error| - U of an indent is beyond it, or a line is by its chi2
+};
+
+// Errors of a line against the wanted accuracy.
+struct LineTest {
+  Line line = Line::x;
+  int indents = 0;
+  double chi2 = 0, limit = 0;  // 95 %
+};
+
 struct TipReport {
   std::vector<LineFit> lines{};
   std::vector<ErrorCurve> curves{};
   std::vector<std::string> indistinguishable{};  // "tool lever", "microscope scale"; empty: none
   std::vector<std::string> separating{};         // measurements that tell them apart
+  Conformity conformity = Conformity::undecided;
+  std::vector<LineTest> tests{};  // lines with an indent
   std::string verdict{};
-  std::vector<std::string> change{};  // what to change before the next calibration
+  // What to change before the next calibration; undecided: for the next pictures; within: nothing.
+  std::vector<std::string> change{};
 };
 
 // wanted_accuracy_um: the verdict is against it. Errors, failed_precondition TOO_FEW_ROWS: no
@@ -52,5 +74,6 @@ struct TipReport {
 Result<TipReport> tip_report(std::span<const IndentRow> rows, double wanted_accuracy_um);
 
 std::string_view to_string(Line line);
+std::string_view to_string(Conformity conformity);
 
 }  // namespace driftwise::indentation

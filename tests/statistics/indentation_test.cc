@@ -31,6 +31,24 @@ TEST(Indentation, TellsAContactWithinOneStepOfTheMoveThatTouches) {
   EXPECT_EQ(count.moves[2] + count.moves[3] + count.later, 0);
 }
 
+// A place that is higher than the file's depart_mm: the surface is where the gap at the truth ends.
+TEST(Indentation, TakesNoHeightWhereTheToolIsInTheWorkPieceAlready) {
+  using Kind = indentation::Approach::Next::Kind;
+  for (const double beyond_um : {0.1, 2.0, 10.0}) {
+    TouchingRobots robots(3);
+    const auto now = [&robots] { return std::llround(robots.time_s() * 1e9); };
+    robots.plant().set_substrate_arcsec(0, 0, now());
+    (void)robots.move_below(0, 0, 1.5);
+    const double surface_mm = 1.5 + robots.plant().contact(now()).gap_nm * 1e-6;
+    (void)robots.move_below(0, 0, 1);
+    robots.pass(30);
+    const double depart_mm = surface_mm + beyond_um * 1e-3;
+    const auto end = robots.approach({.depart_mm = depart_mm, .highest_mm = depart_mm + 0.09}, {});
+    EXPECT_EQ(end.kind, beyond_um < 5 ? Kind::touching : Kind::abort) << beyond_um;
+    EXPECT_EQ(end.height_mm, depart_mm) << "not a step further";
+  }
+}
+
 TEST(Indentation, LeavesACraterThatGrowsWithThePress) {
   TouchingRobots robots(4);
   (void)robots.move_above(0, 0, 1);

@@ -145,7 +145,10 @@ indentation::Approach::Next TouchingRobots::approach(const indentation::Approach
   auto approach = indentation::Approach::create(rule).value();
   auto next = approach.begin();
   overlap_nm_.clear();
-  for (int windows = 0; next.kind == Kind::move || next.kind == Kind::look; ++windows) {
+  const auto goes_on = [](Kind kind) {
+    return kind == Kind::rest || kind == Kind::move || kind == Kind::look;
+  };
+  for (int windows = 0; goes_on(next.kind); ++windows) {
     if (next.kind == Kind::move) {
       (void)move_below(rx_arcsec_, ry_arcsec_, next.height_mm);
       const double overlap_nm = -plant_->contact(now()).gap_nm;

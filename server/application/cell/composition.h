@@ -173,7 +173,7 @@ class Composition {
 
  private:
   Awaitable<void> start_up();
-  Awaitable<void> rest_axes();
+  Awaitable<std::string> rest_axes();  // why they are not known to rest; empty: they rest
   Awaitable<Result<void>> restore_datum();
   Awaitable<Result<void>> restore_force();
   Awaitable<Result<void>> restore_model();

@@ -51,6 +51,7 @@ Awaitable<void> Composition::start_up() {
   looked_for_what_serves_.raise();
   co_await durations.load();  // before a run that goes on is given an end
   tell("going on with the run", co_await runs.continue_unfinished());
+  alarms.note_start_is_done();
   tell("continuing the rest", co_await rests.continue_unfinished());
   queue_desk.start();
 }
@@ -101,7 +102,8 @@ Awaitable<void> Composition::come_to_rest() {
   events.record_own("daemon.stopping", "the daemon was asked to end");
   served_again_ = true;
   looked_for_what_serves_.raise();
-  const bool moves = engine.busy() || right.by_hand() != nullptr || stops.pending();
+  const bool moves_by_hand = right.by_hand() != nullptr;
+  const bool moves = engine.busy() || moves_by_hand || stops.pending();
   engine.shut_down();
   if (auto* by_hand = right.by_hand()) by_hand->shut_down();
   queue_desk.shut_down();
@@ -109,12 +111,18 @@ Awaitable<void> Composition::come_to_rest() {
   diagnosis_desk.shut_down();
   study_desk.shut_down();
   upkeep.shut_down();
-  if (moves) co_await rest_axes();
+  if (!moves) co_return;
+  const auto trouble = co_await rest_axes();
+  if (trouble.empty() || !moves_by_hand || stops.pending()) co_return;
+  // Nobody else halts what was moved by hand: the next start sends the stop before anything else.
+  auto pressing =
+      stops.press({"daemon", "", ""}, "the daemon ended during a movement by hand: " + trouble);
+  static_cast<void>(co_await std::move(pressing));
 }
 
 // A homing ends at nothing but a stop, so the axes are stopped before anything is waited for. At
 // idle they are left to whoever moves them.
-Awaitable<void> Composition::rest_axes() {
+Awaitable<std::string> Composition::rest_axes() {
   constexpr double kLook_s = 0.02, kSendAgain_s = 1, kPatience_s = 20;  // of wall time
   const auto wall = [this](double seconds) {
     return nanoseconds_from_s(seconds * std::max(1e-3, clock->speed()));
@@ -134,7 +142,7 @@ Awaitable<void> Composition::rest_axes() {
       else if (state->moving)
         trouble = "the axes still report motion";
       answers = state && !state->moving ? answers + 1 : 0;
-      if (answers == StopDesk::kAnswers) co_return;
+      if (answers == StopDesk::kAnswers) co_return "";
     }
     co_await clock->sleep_for(wall(kLook_s));
   }
@@ -144,6 +152,7 @@ Awaitable<void> Composition::rest_axes() {
                   "{:g} s of the end of the daemon: {}: look at the axes, use the "
                   "emergency switch where they move",
                   kPatience_s, trouble));
+  co_return trouble;
 }
 
 Awaitable<void> Composition::shut_down() {

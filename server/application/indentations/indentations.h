@@ -15,12 +15,13 @@ namespace driftwise::application {
 struct IndentationView {
   IndentationRecord record{};
   std::string name{}, tool{}, stage{};
+  std::int64_t revision = 0;  // of the procedure's record: its age
   int contacts = 0, made = 0, planned = 0;
   bool in_contact = false;
   std::string table_json{};     // empty: no table, or none that can be computed
   std::string table_trouble{};  // why it cannot be computed
   std::string verdict{};
-  bool reached = false;  // the wanted accuracy, by the table
+  bool reached = false;  // the wanted accuracy, by the table; false also where it cannot tell
 };
 
 class Indentations {
@@ -31,7 +32,7 @@ class Indentations {
 
   virtual ~Indentations() = default;
   // Errors: invalid_argument, those of read_indentation_file and read_procedure_json, BAD_VALUE of
-  // the key; failed_precondition NOT_NOW (the stored record of this key has more contacts),
+  // the key; failed_precondition NOT_NOW (the stored record of this key is a later revision),
   // OTHER_TOOL (the stored record was begun with another).
   virtual Awaitable<Result<IndentationView>> begin(Caller caller, std::string key,
                                                    std::string file_text,

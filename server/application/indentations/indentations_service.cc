@@ -42,7 +42,7 @@ Result<Computed> computed_table(const formats::IndentationFile& file,
   DRIFTWISE_TRY(const auto table, indentation::indent_table(indents, file.tool));
   DRIFTWISE_TRY(const auto report, indentation::tip_report(table, file.wanted_um));
   return Computed{formats::indents_json(table, report, file.tool), report.verdict,
-                  report.change.empty()};
+                  report.conformity == indentation::Conformity::within};
 }
 
 Result<IndentationView> view_of(IndentationRecord& record) {
@@ -53,6 +53,7 @@ Result<IndentationView> view_of(IndentationRecord& record) {
   view.name = file.name;
   view.tool = procedure.tool.empty() ? file.rules.tool : procedure.tool;
   view.stage = to_string(procedure.stage);
+  view.revision = procedure.revision;
   view.contacts = procedure.contacts;
   view.made = static_cast<int>(procedure.indents.size());
   view.planned = static_cast<int>(file.rules.indents.size());
@@ -79,13 +80,18 @@ Result<IndentationView> judged_indents(IndentationRecord& now, const Indentation
   }
   if (before.id == IndentationId{}) return view;
   DRIFTWISE_TRY(const auto stored, formats::read_procedure_json(before.record_json, kRecordName));
-  if (view->contacts < stored.contacts)
+  // Records from before there were revisions, both 0: by the contacts.
+  const bool is_older =
+      view->revision < stored.revision ||
+      (view->revision == 0 && stored.revision == 0 && view->contacts < stored.contacts);
+  if (is_older)
     return fail(ErrorCode::failed_precondition, reasons::kNotNow,
-                fmt::format("this record of indentation {} has {} contacts, the daemon's has {}: "
-                            "it is an older copy, and its next places are used. Take the newer one "
-                            "(driftwise indent show {} --json), or begin anew on a fresh surface "
-                            "with --fresh",
-                            before.id.value, view->contacts, stored.contacts, before.id.value));
+                fmt::format("this record of indentation {} has {} contacts, the daemon's has {} "
+                            "(revisions {} and {}): it is an older copy, and its next places are "
+                            "used. Take the newer one (driftwise indent show {} -o "
+                            "FILE.state.json), or begin anew on a fresh surface with --fresh",
+                            before.id.value, view->contacts, stored.contacts, view->revision,
+                            stored.revision, before.id.value));
   if (!stored.tool.empty() && view->tool != stored.tool)
     return fail(ErrorCode::failed_precondition, reasons::kOtherTool,
                 fmt::format("indentation {} was begun with tool {}, this record names {}: contacts "

@@ -150,13 +150,17 @@ Awaitable<Result<JogState>> JogDesk::begin(Caller caller, std::string lease_toke
   if (auto inside = check_step(from->q_mm, first, jog->moved); !inside)
     co_return give_up(inside.error());
   if (auto wanted = jog->control.check(); !wanted) co_return give_up(wanted.error());
-  engine_.remeasure_zero("jogged by hand");
-  bench_.events.record(
+  // On record before it moves. The next sign of the client is due from the first step on.
+  auto recording = bench_.events.record_first(
       caller, "axes.jog",
       order.held ? fmt::format("{} holds {} in steps of {:+g} mm, from {:.6f} mm", caller.name,
                                order.channel, order.step_mm, jog->target_mm[axis])
                  : fmt::format("{} moves {} by {:+g} mm, from {:.6f} mm", caller.name,
                                order.channel, order.step_mm, jog->target_mm[axis]));
+  if (auto recorded = co_await std::move(recording); !recorded) co_return give_up(recorded.error());
+  if (auto wanted = jog->control.check(); !wanted) co_return give_up(wanted.error());
+  jog->last_sign = wall_now();
+  engine_.remeasure_zero("jogged by hand");
   jog_ = jog;
   if (order.held) {
     tasks_.spawn(carry(jog));

@@ -301,11 +301,15 @@ Awaitable<Result<void>> ManualControlService::set_stabiliser(Caller caller, std:
                    fmt::format("{} degC was asked for, expected {:g} to {:g}", degc, kColdest_degC,
                                kHottest_degC));
   DRIFTWISE_CO_TRY(const auto i, stabiliser_named(device));
+  auto recording = events_.record_first(
+      caller, "stabiliser.set", fmt::format("{} sets {} to {:g} degC", caller.name, device, degc),
+      {}, {"stabiliser " + device, "", fmt::format("{:g} degC", degc)});
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(recording));
   auto set = co_await bench_.set_point(i, degc);
-  if (set)
-    events_.record(caller, "stabiliser.set",
-                   fmt::format("{} set {} to {:g} degC", caller.name, device, degc), {},
-                   {"stabiliser " + device, "", fmt::format("{:g} degC", degc)});
+  if (!set)
+    events_.record_own("stabiliser.set_failed",
+                       fmt::format("{} was not set to {:g} degC for {}: {}", device, degc,
+                                   caller.name, set.error().message));
   co_return set;
 }
 

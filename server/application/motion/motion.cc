@@ -88,12 +88,31 @@ MotionState together(const std::vector<MotionState>& states, const AxesToMove& m
 Awaitable<Result<void>> bring_to_rest(RunScope& scope) {
   constexpr double kRestWithin_s = 1, kBetweenLooks_s = 0.02;
   auto& bench = scope.bench;
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.stop());
-  const auto limit = bench.clock.now().utc + nanoseconds_from_s(kRestWithin_s);
+  const auto in_time = [&bench] {
+    return bench.clock.now().utc + nanoseconds_from_s(kRestWithin_s);
+  };
+  auto limit = in_time();
+  // An exchange that another stop cut off says nothing of the axes: asked again.
+  const auto is_cut = [&](const auto& answer) {
+    return !answer && answer.error().code == ErrorCode::aborted && bench.clock.now().utc <= limit;
+  };
+  auto stopped = co_await bench.devices.stop();
+  while (is_cut(stopped)) {
+    co_await bench.clock.sleep_for(nanoseconds_from_s(kBetweenLooks_s));
+    stopped = co_await bench.devices.stop();
+  }
+  DRIFTWISE_CO_RETURN_IF_ERROR(stopped);
+  limit = in_time();
   for (int answers = 0; answers < StopDesk::kAnswers;) {
-    DRIFTWISE_CO_TRY(const auto state, co_await bench.devices.motion_state());
-    answers = state.moving ? 0 : answers + 1;
-    if (state.moving && bench.clock.now().utc > limit)
+    const auto state = co_await bench.devices.motion_state();
+    if (is_cut(state)) {
+      answers = 0;
+      co_await bench.clock.sleep_for(nanoseconds_from_s(kBetweenLooks_s));
+      continue;
+    }
+    DRIFTWISE_CO_RETURN_IF_ERROR(state);
+    answers = state->moving ? 0 : answers + 1;
+    if (state->moving && bench.clock.now().utc > limit)
       co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled,
                      fmt::format("the axes were halted and still move after {:g} s: use the "
                                  "emergency switch, and look at the controller",
@@ -179,10 +198,15 @@ Awaitable<Result<MotionState>> state_of(DeviceBench& devices, AxesToMove moved) 
   co_return together(states, moved);
 }
 
+// The end of the daemon stops the axes itself, cuts off the exchanges of the movement by hand for
+// it, and judges alone whether they rest.
 Awaitable<Result<void>> halt_by_hand(RunScope& scope) {
-  if (scope.run || scope.bench.stops.pending()) co_return Result<void>{};
+  const auto is_others = [&scope] {
+    return scope.run || scope.bench.stops.pending() || scope.control.shutting_down();
+  };
+  if (is_others()) co_return Result<void>{};
   const auto rests = co_await bring_to_rest(scope);
-  if (rests || scope.bench.stops.pending()) co_return Result<void>{};
+  if (rests || is_others()) co_return Result<void>{};
   if (rests.error().reason == reasons::kNotSettled) co_return rests;
   co_return fail(
       ErrorCode::deadline_exceeded, reasons::kNotSettled,
@@ -192,6 +216,8 @@ Awaitable<Result<void>> halt_by_hand(RunScope& scope) {
 Awaitable<Error> halted_by_hand(RunScope& scope, Error ended) {
   auto halting = halt_by_hand(scope);
   const auto rests = co_await std::move(halting);
+  // What was cut off says "stopped", which says nothing of why.
+  if (!scope.run && scope.control.shutting_down()) co_return scope.control.check().error();
   if (rests) co_return ended;
   ended.reason = reasons::kNotSettled;
   if (rests.error().message != ended.message) ended.message += "; " + rests.error().message;

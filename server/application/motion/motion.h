@@ -62,7 +62,8 @@ struct Arrival {
 
 // Error of a movement by hand that ended other than as commanded, with the axes at rest: in a run
 // the engine halts them, and a stop that a person pressed has its own desk. NOT_SETTLED, whatever
-// ended it: the controller does not say that they rest.
+// ended it: the controller does not say that they rest. SHUTTING_DOWN at the end of the daemon,
+// which brings them to rest itself.
 Awaitable<Error> halted_by_hand(RunScope& scope, Error ended);
 Awaitable<Result<void>> halt_by_hand(RunScope& scope);  // where it ended without an error
 

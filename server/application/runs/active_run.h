@@ -57,7 +57,8 @@ struct ActiveRun {
   std::vector<double> jumped_nm;            // of each length, by jumps that only marked their line
   std::map<std::int64_t, int> attempts_of_row;
   RunProgress progress;
-  bool state_unstored = false;  // the disk was full: the record has another state
+  bool state_unstored = false;         // the disk was full: the record has another state
+  std::vector<double> last_stored_mm;  // of the newest row or passage on disk, as read back
 };
 
 }  // namespace driftwise::application

@@ -33,6 +33,7 @@ Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
                       fmt::format("{}: look at the machine, then resume it ([run] {} = \"wait\")",
                                   why, power_loss ? "after_power_loss" : "after_restart")});
     if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+    if (auto ok = co_await use_permission(run); !ok) co_return ok;
   } else if (power_loss) {
     why += ", and the cell file says to go on ([run] after_power_loss = \"go-on\")";
     if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;

@@ -1,11 +1,13 @@
 #include "server/application/runs/passages.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/application/motion/joining.h"
 #include "server/application/motion/loading.h"
 #include "server/application/runs/point_visit.h"
 #include "server/core/try.h"
+#include "server/core/units.h"
 
 namespace driftwise::application {
 namespace {
@@ -65,6 +67,8 @@ std::vector<PointRecord> passages_behind(const ActiveRun& run) {
 
 void drop_passages(ActiveRun& run, std::size_t stored, bool has_point) {
   auto& passed = run.scope.passed;
+  const std::size_t dropped = has_point ? passed.size() : stored;
+  if (dropped > 0) run.last_stored_mm = passed[dropped - 1].q_mm;
   if (has_point)
     passed.clear();
   else
@@ -76,6 +80,22 @@ void note_passage_read(ActiveRun& run, const std::vector<ChannelValue>& values, 
   if (passed.empty() || !passed.back().values.empty()) return;  // the axes were there already
   passed.back().values = values;
   passed.back().at = measured;
+}
+
+Awaitable<void> note_stand(ActiveRun& run) {
+  auto& bench = run.scope.bench;
+  if (!run.datum || bench.description.motor_channels().empty()) co_return;
+  const auto state = co_await bench.devices.motion_state();
+  if (!state || state->moving || !state->referenced) co_return;
+  auto& passed = run.scope.passed;
+  const auto& known_mm = passed.empty() ? run.last_stored_mm : passed.back().q_mm;
+  bool is_elsewhere = false;
+  for (std::size_t i = 0; i < std::min(known_mm.size(), state->q_mm.size()); ++i)
+    is_elsewhere = is_elsewhere || std::abs(nm_from_mm(state->q_mm[i] - known_mm[i])) >
+                                       run.plan.rules.in_position_nm;
+  if (!is_elsewhere) co_return;
+  const auto now = bench.clock.now();
+  passed.push_back({now.utc, now, state->q_mm, state->q_mm, bench.loading.known_n(), {}});
 }
 
 void note_zeroing(ActiveRun& run) {

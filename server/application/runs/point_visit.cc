@@ -24,15 +24,18 @@ const TrajectoryPoint& row_of(const ActiveRun& run, std::int64_t row) {
   return run.trajectory.points[static_cast<std::size_t>(row)];
 }
 
-// A little way from the point towards the zero, so that it is approached anew; at the zero, to
-// whichever side is allowed.
+// A little way from the point back towards where it was reached from, so that it is approached anew
+// from the side that the plan gave it: a robot with play stands elsewhere when it comes from the
+// other one. Where that is not known, towards the zero; at the zero, to whichever side is allowed.
 std::vector<double> aside_of(const ActiveRun& run, std::vector<double> q_mm) {
   const double away_mm = run.plan.rules.reapproach_mm;
   const auto axes = run.scope.bench.description.axes();
   for (std::size_t i = 0; i < axes.size(); ++i) {
     if (!run.scope.moved.contains(i)) continue;
     double& q = q_mm[i];
-    q += q > 0 ? -away_mm : away_mm;
+    const char side = i < run.scope.sides.size() ? run.scope.sides[i] : '?';
+    const bool from_above = side == '+' || (side == '?' && q <= 0);
+    q += from_above ? away_mm : -away_mm;
     q = std::clamp(q, axes[i].min_mm, axes[i].max_mm);
   }
   return q_mm;

@@ -13,6 +13,8 @@ namespace {
 Awaitable<Result<Recovery>> look_once(RunScope& scope) {
   Recovery found;
   auto& devices = scope.bench.devices;
+  // Whatever else is away: axes that lose their current, or are moved, meanwhile are an alarm.
+  static_cast<void>(co_await devices.motion_state());
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await devices.prepare_for_run());
   DRIFTWISE_CO_TRY(const auto state, co_await devices.motion_state());
   found.reference_lost = !state.referenced;
@@ -41,9 +43,12 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
 Awaitable<Result<Recovery>> wait_for_devices(RunScope& scope) {
   constexpr double kFirst_s = 1, kLongest_s = 10;
   double pause_s = kFirst_s;
-  while (true) {
+  for (bool waited = false;; waited = true) {
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(pause_s));
-    if (auto found = co_await look_once(scope)) co_return found;
+    if (auto found = co_await look_once(scope)) {
+      found->waited = waited;
+      co_return found;
+    }
     scope.phase("waiting for a device");
     pause_s = std::min(kLongest_s, pause_s * 2);
   }

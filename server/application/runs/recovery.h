@@ -10,6 +10,7 @@ struct Recovery {
   bool reference_lost = false;
   bool servo_off = false;
   bool beam_lost = false;
+  bool waited = false;  // something was not there at the first look
 };
 
 // Ends when every device is prepared, the axes answer, the interferometers answer (or say that the

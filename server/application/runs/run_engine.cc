@@ -182,6 +182,7 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     const auto kind = run.control.hold().kind;
     const auto state = kind == RunHold::Kind::configuration ? RunState::waiting : RunState::paused;
     if (auto ok = co_await hold(run, state); !ok) co_return ok;
+    if (auto ok = co_await use_permission(run); !ok) co_return ok;
   }
   if (wanted_datum_) {
     if (auto ok = co_await prepare(run); !ok) co_return ok;
@@ -190,6 +191,7 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     if (auto ok = co_await new_datum(run); !ok) co_return ok;
   }
   while (true) {
+    if (!wanted_datum_) take_back_permission();
     if (return_is_owed(run))
       if (auto ok = co_await return_to_zero(run); !ok) co_return ok;
     const auto visit = next_visit(run.trajectory, run.record.place);
@@ -200,6 +202,7 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
       if (run.control.wants_zero())
         if (auto ok = co_await go_to_zero(run, "zero while the run waits"); !ok) co_return ok;
       if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+      if (auto ok = co_await use_permission(run); !ok) co_return ok;
     }
     if (wanted_datum_) {
       if (auto ok = co_await prepare(run); !ok) co_return ok;
@@ -240,6 +243,7 @@ Awaitable<Result<void>> RunEngine::park(ActiveRun& run) {
   if (!run.plan.rules.park) co_return Result<void>{};
   if (run.control.held())
     if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  take_back_permission();
   if (auto ok = run.control.check(); !ok) co_return ok;
   if (bench_.description.load) {
     if (auto ok = co_await bench_.loading.look(bench_.devices); !ok) co_return ok;

@@ -125,10 +125,12 @@ class RunEngine {
   Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
   Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
   Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
-  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy, bool asked_for);
+  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy);
   void want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost, bool servo_off);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
   Awaitable<Result<void>> hold_on(ActiveRun& run, RunState state);
+  void take_back_permission();  // a person's, to switch servos on: its moment is over
+  Awaitable<Result<void>> use_permission(ActiveRun& run);
   void ask_to_mend(ActiveRun& run, const Error& why);
   Awaitable<Result<void>> stand_unread();
   // clearance.cc

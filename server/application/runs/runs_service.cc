@@ -265,25 +265,42 @@ Awaitable<Result<RunRecord>> RunsService::pause(Caller caller, RunId run) {
   co_return co_await steer(caller, run, "pause", why, std::move(act));
 }
 
-Awaitable<Result<RunRecord>> RunsService::resume(Caller caller, RunId id, HoldAnswer answer) {
-  if (auto known = co_await get(id); !known) co_return known;
-  DRIFTWISE_CO_RETURN_IF_ERROR(stops_.check());
+Result<RunControl*> RunsService::check_resume(const Caller& caller, RunId id,
+                                              const HoldAnswer& answer) {
+  DRIFTWISE_RETURN_IF_ERROR(stops_.check());
   if (const auto* record = engine_.record(); record && record->id == id)
     if (auto question = configuration_.question_for(*record); !question.empty())
-      co_return fail(ErrorCode::failed_precondition, reasons::kConfigurationChanged,
-                     fmt::format("run {} cannot resume: {}", id.value, question));
-  DRIFTWISE_CO_TRY(auto control, control_of(id, "resume"));
+      return fail(ErrorCode::failed_precondition, reasons::kConfigurationChanged,
+                  fmt::format("run {} cannot resume: {}", id.value, question));
+  DRIFTWISE_TRY(auto* control, control_of(id, "resume"));
   if (right_.by_hand())
-    co_return fail(ErrorCode::failed_precondition, reasons::kMoving,
-                   "a movement by hand is under way: wait for its end, or stop it");
+    return fail(ErrorCode::failed_precondition, reasons::kMoving,
+                "a movement by hand is under way: wait for its end, or stop it");
+  DRIFTWISE_RETURN_IF_ERROR(
+      check_answer(*engine_.record(), control->hold(), caller.name, answer, clock_.now().utc));
+  return control;
+}
+
+// On record before the robot moves. Meanwhile nobody else begins a motion, and a stop, or another
+// pause, makes the answer one to a question of before.
+Awaitable<Result<RunRecord>> RunsService::resume(Caller caller, RunId id, HoldAnswer answer) {
+  if (auto known = co_await get(id); !known) co_return known;
+  const auto lock = co_await right_.turn();
+  DRIFTWISE_CO_TRY(auto* control, check_resume(caller, id, answer));
   const auto now = clock_.now().utc;
   const RunHold hold = control->hold();
-  DRIFTWISE_CO_RETURN_IF_ERROR(check_answer(*engine_.record(), hold, caller.name, answer, now));
   auto detail =
       fmt::format("resumed by {}: {}", caller.name, hold_sentence(*engine_.record(), hold, now));
   if (hold.kind == RunHold::Kind::stop && hold.who != caller.name)
     detail += fmt::format("; the stop was overridden: {}", answer.override_reason);
-  events_.record(caller, "run.resume", std::move(detail), id);
+  auto recording = events_.record_first(caller, "run.resume", std::move(detail), id);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(recording));
+  if (auto still = check_resume(caller, id, answer); !still) {
+    events_.record_own("run.resume_refused", still.error().message, id);
+    co_return tl::unexpected(still.error());
+  } else {
+    control = *still;
+  }
   doubts_.begin_anew();  // a person looked: what the devices say now is taken as right
   control->resume();
   co_return *engine_.record();
@@ -315,14 +332,16 @@ Result<void> RunsService::check_confirmation(RunId id, double force_n) {
 Awaitable<Result<RunRecord>> RunsService::confirm_force(Caller caller, RunId id, double force_n) {
   if (auto known = co_await get(id); !known) co_return known;
   DRIFTWISE_CO_RETURN_IF_ERROR(check_confirmation(id, force_n));
+  auto recording = events_.record_first(
+      caller, "load.confirmed", fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(recording));
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_confirmation(id, force_n));
   // On disk before the run goes on: a restart must know what hangs there.
   const auto now = clock_.now().utc;
   Reading said{kOperatorDevice, now, now, 0, {{description_.force_channel()->name(), force_n}}};
   recorder_.observe(JudgedReading{said, {}});
   writer_.add(std::move(said));
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.flush());
-  events_.record(caller, "load.confirmed",
-                 fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
   // An abort may have ended the run, and its control with it, while this was stored.
   DRIFTWISE_CO_RETURN_IF_ERROR(check_confirmation(id, force_n));
   engine_.control()->confirm_force();

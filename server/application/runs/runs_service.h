@@ -63,6 +63,9 @@ class RunsService final : public Runs {
   RunRecord present() const;
   // Of the run under way. It ends with the run: not to be kept over a wait.
   Result<RunControl*> control_of(RunId run, const char* verb);
+  // Whether this person may end the hold of this run now. Errors: those of StopDesk::check;
+  // CONFIGURATION_CHANGED, RUN_NOT_UNDER_WAY, MOVING; those of check_answer.
+  Result<RunControl*> check_resume(const Caller& caller, RunId id, const HoldAnswer& answer);
   // Errors: RUN_NOT_UNDER_WAY; those of RunControl::check; NO_FORCE_WANTED, WRONG_FORCE.
   Result<void> check_confirmation(RunId id, double force_n);
   Awaitable<Result<RunRecord>> steer(Caller caller, RunId run, const char* verb, std::string detail,

@@ -8,6 +8,7 @@
 
 #include "server/application/motion/start_checks.h"
 #include "server/application/motion/stop_desk.h"
+#include "server/application/runs/passages.h"
 #include "server/application/runs/recovery.h"
 #include "server/application/runs/run_engine.h"
 #include "server/application/runs/run_state_store.h"
@@ -19,14 +20,15 @@ namespace driftwise::application {
 // Until a person resumes, or the condition is over; then the devices are looked at as after any
 // trouble.
 Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
+  take_back_permission();
   const bool by_cell = run.control.halted_by_cell();
-  const bool by_person = run.control.hold().kind != RunHold::Kind::condition;
   if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
-  // An axis that cannot be reached stands by its own watchdog.
-  if (by_cell) static_cast<void>(co_await bench_.devices.stop());
+  // The cell stops the axes of the run, and none that are lent to a person. An axis that cannot be
+  // reached stands by its own watchdog.
+  if (by_cell && !axes_lent_) static_cast<void>(co_await bench_.devices.stop());
   if (auto ok = co_await mark_held(run); !ok) co_return ok;
   if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
-  co_return co_await look_again(run, remedy_for(trouble), by_person);
+  co_return co_await look_again(run, remedy_for(trouble));
 }
 
 // The stop itself is the desk's; the run is paused once the controllers have confirmed it.
@@ -58,6 +60,7 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
   if (error.reason == reasons::kZeroNotReached && had_datum_) remedy = Remedy::wait_for_device;
   if (remedy == Remedy::leave || remedy == Remedy::abort || remedy == Remedy::fail)
     co_return tl::unexpected(error);
+  take_back_permission();
   run.scope.phase("waiting");
   // First of all: the mark may wait for the disk. An axis that cannot be reached stands by its own
   // watchdog.
@@ -87,17 +90,22 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
     const double pause_s = std::min(kLongest_s, kFirst_s * std::exp2(troubles_in_a_row - 1));
     if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
   }
-  co_return co_await look_again(run, remedy, remedy == Remedy::hold);
+  co_return co_await look_again(run, remedy);
 }
 
-// asked_for: a person has said just now that the robot may move.
-Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy, bool asked_for) {
+// Whoever ended a hold has asked for motion of the machine as it stood then. The end of a wait is
+// nobody's to foresee: a servo that is off by then may have been switched off during it.
+Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy) {
   DRIFTWISE_CO_TRY(const auto recovery, co_await wait_for_devices(run.scope));
+  if (recovery.waited) take_back_permission();
+  const bool asked_for = switch_on_ == SwitchOn::yes;
   // Before weights move as well. Where power was away the cell file says who is asked.
   const bool was_switched_off =
       recovery.servo_off && !(recovery.reference_lost && had_datum_) && switch_on_ == SwitchOn::no;
-  if (was_switched_off && !asked_for) co_return co_await overcome(run, servo_is_off(), 1);
+  if (was_switched_off) co_return co_await overcome(run, servo_is_off(), 1);
   if (recovery.reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
+  if (!recovery.servo_off) take_back_permission();
+  co_await note_stand(run);
   want_datum(run, recovery.beam_lost || remedy == Remedy::new_datum, recovery.reference_lost,
              recovery.servo_off);
   co_return co_await change(run, RunState::running, "");
@@ -117,7 +125,26 @@ void RunEngine::want_datum(const ActiveRun& run, bool beam_lost, bool reference_
   if (beam_lost) wanted_datum_->before.reset();
 }
 
+void RunEngine::take_back_permission() {
+  if (switch_on_ == SwitchOn::yes) switch_on_ = SwitchOn::no;
+}
+
+// A servo that is off right after a person has asked for motion was off when they asked: the datum
+// that follows switches it on. One that is on needs no permission, and keeps none for later.
+Awaitable<Result<void>> RunEngine::use_permission(ActiveRun& run) {
+  if (switch_on_ != SwitchOn::yes) co_return Result<void>{};
+  DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
+  want_datum(run, false, false, !state.servo_on);
+  if (state.servo_on) take_back_permission();
+  co_return Result<void>{};
+}
+
 Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
+  const auto begun = run.control.hold().kind;
+  if (run.control.held() || axes_lent_) {
+    take_back_permission();
+    co_await note_stand(run);  // a person may move the axes from there
+  }
   // Meanwhile the recorder shows where the axes and the lengths are, and a person may move them.
   bench_.recorder.lend_pose_instruments(false);
   Result<void> may_continue = run.control.check();
@@ -136,13 +163,15 @@ Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
   bench_.recorder.lend_pose_instruments(true);
   if (!may_continue) co_return may_continue;
   // Whoever ended it has said that the robot may move; who accepted a cell file has not, nor has a
-  // cell that is within its limits again.
-  if (run.record.hold.kind != RunHold::Kind::configuration &&
-      run.record.hold.kind != RunHold::Kind::condition) {
+  // cell that is within its limits again, nor anybody where nothing held the run.
+  const auto on_record = std::exchange(run.record.hold, {}).kind;
+  const auto ended = on_record == RunHold::Kind::none ? begun : on_record;  // none: at once
+  if (ended != RunHold::Kind::none && ended != RunHold::Kind::configuration &&
+      ended != RunHold::Kind::condition) {
     may_start_ = true;
     switch_on_ = SwitchOn::yes;
   }
-  run.record.hold = {};
+  co_await note_stand(run);
   co_return co_await change(run, RunState::running, "");
 }
 

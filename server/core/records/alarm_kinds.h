@@ -61,6 +61,7 @@ inline constexpr std::array kAlarmKinds =
                                      "run.waiting",
                                      "serving.trouble",
                                      "stop.unconfirmed",
+                                     "supply.forced",
                                      "watchdog.unreached",
                                      "zero.disagrees"});
 

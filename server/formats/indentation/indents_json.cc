@@ -50,6 +50,7 @@ Json report_json(const TipReport& report) {
           {"curves", curves},
           {"indistinguishable", report.indistinguishable},
           {"separating", report.separating},
+          {"conformity", to_string(report.conformity)},
           {"verdict", report.verdict},
           {"change", report.change}};
 }

@@ -124,14 +124,18 @@ ProcedureRecord record_from(const Json& json) {
   r.key = json.value("key", std::string());
   r.stage = stage_from(json.at("stage"));
   r.tool = json.at("tool");
+  r.revision = json.value("revision", std::int64_t{0});  // of a record from before it: 0
   r.contacts = json.at("contacts");
   r.in_contact = json.at("in_contact");
   r.aside_um = json.at("aside_um");
   r.corrections = json.at("corrections");
+  r.anew = json.value("anew", 0);
   r.rx_arcsec = json.at("rx_arcsec");
   r.ry_arcsec = json.at("ry_arcsec");
   r.height_mm = json.at("height_mm");
   r.touched = json.at("touched");
+  if (const auto by = json.find("heights_by"); by != json.end())
+    r.heights_by = HeightBasis{.work_mm = by->at("work_mm"), .source = by->at("source")};
   r.spread_nm = json.at("spread_nm");
   r.log = json.at("log").get<std::vector<std::string>>();
   r.by = json.at("by");
@@ -157,13 +161,24 @@ ProcedureRecord record_from(const Json& json) {
 }  // namespace
 
 std::string procedure_json(const ProcedureRecord& r) {
-  Json json{{"driftwise_indentation", 1},  {"key", r.key},
-            {"stage", to_string(r.stage)}, {"tool", r.tool},
-            {"contacts", r.contacts},      {"in_contact", r.in_contact},
-            {"aside_um", r.aside_um},      {"corrections", r.corrections},
-            {"rx_arcsec", r.rx_arcsec},    {"ry_arcsec", r.ry_arcsec},
-            {"height_mm", r.height_mm},    {"touched", r.touched},
-            {"spread_nm", r.spread_nm},    {"by", r.by}};
+  Json json{{"driftwise_indentation", 1},
+            {"key", r.key},
+            {"revision", r.revision},
+            {"stage", to_string(r.stage)},
+            {"tool", r.tool},
+            {"contacts", r.contacts},
+            {"in_contact", r.in_contact},
+            {"aside_um", r.aside_um},
+            {"corrections", r.corrections},
+            {"anew", r.anew},
+            {"rx_arcsec", r.rx_arcsec},
+            {"ry_arcsec", r.ry_arcsec},
+            {"height_mm", r.height_mm},
+            {"touched", r.touched},
+            {"spread_nm", r.spread_nm},
+            {"by", r.by}};
+  if (r.heights_by)
+    json["heights_by"] = {{"work_mm", r.heights_by->work_mm}, {"source", r.heights_by->source}};
   json["log"] = r.log;
   json["touches"] = Json::array();
   for (const auto& one : r.touches) json["touches"].push_back(touch_json(one));

@@ -45,9 +45,9 @@ TEST(NutCodec, StatusIsAListOfWordsOfWhichSomeAreUnknown) {
   EXPECT_TRUE(parse_status("OB DISCHRG")->on_battery);
   EXPECT_FALSE(parse_status("OB DISCHRG")->low_battery);
   EXPECT_TRUE(parse_status("OB LB")->low_battery);
-  EXPECT_TRUE(parse_status("FSD OB")->low_battery);
   EXPECT_TRUE(parse_status("OB LB DISCHRG")->low_battery);
-  EXPECT_TRUE(parse_status("FSD")->low_battery);
+  EXPECT_TRUE(parse_status("FSD")->forced);
+  EXPECT_FALSE(parse_status("OB LB")->forced);
   EXPECT_TRUE(parse_status("ALARM OL RB"));
   EXPECT_EQ(parse_status("WAIT").error().reason, "UPS_STALE");  // upsd itself has just started
   EXPECT_EQ(parse_status("CHRG").error().reason, "BAD_REPLY");
@@ -57,11 +57,37 @@ TEST(NutCodec, StatusIsAListOfWordsOfWhichSomeAreUnknown) {
 // After a long power cut the battery is charged for hours, and upsd says so: nothing is about to
 // go.
 TEST(NutCodec, ALowBatteryBesideMainsIsNoReasonToEnd) {
-  for (const char* status : {"OL CHRG LB", "OL LB", "LB CHRG OL", "OL RB LB", "FSD OL"}) {
+  for (const char* status : {"OL CHRG LB", "OL LB", "LB CHRG OL", "OL RB LB"}) {
     ASSERT_TRUE(parse_status(status)) << status;
     EXPECT_FALSE(parse_status(status)->low_battery) << status;
     EXPECT_FALSE(parse_status(status)->on_battery) << status;
   }
+}
+
+// upsmon(8), "Forced shutdowns": it brings down a computer whose supply is otherwise well.
+TEST(NutCodec, AForcedShutdownIsAboutToTakeThePowerWhateverStandsBesideIt) {
+  for (const char* status :
+       {"FSD", "FSD OL", "OL FSD", "OL CHRG FSD", "FSD OB", "FSD OB LB", "ALARM FSD OL"}) {
+    AboutToGo about_to_go;
+    EXPECT_FALSE(about_to_go.take(*parse_status("OL"))) << status;
+    EXPECT_TRUE(about_to_go.take(*parse_status(status))) << status;
+    EXPECT_TRUE(about_to_go.take(*parse_status(status))) << status << ", as long as it stands";
+    EXPECT_TRUE(about_to_go.take(*parse_status("FSD OL"))) << "mains that return take nothing back";
+    EXPECT_FALSE(about_to_go.take(*parse_status("OL"))) << "upsd was started anew";
+  }
+}
+
+// A daemon that is started again beside it would end each time.
+TEST(NutCodec, AForcedShutdownOfBeforeTheStartEndsNothingWhileMainsAreThere) {
+  AboutToGo about_to_go;
+  EXPECT_FALSE(about_to_go.take(*parse_status("FSD OL")));
+  EXPECT_FALSE(about_to_go.take(*parse_status("OL FSD CHRG LB")));
+  EXPECT_TRUE(about_to_go.take(*parse_status("FSD OB")));
+  EXPECT_FALSE(about_to_go.take(*parse_status("FSD OL")));
+  EXPECT_FALSE(about_to_go.take(*parse_status("OL")));
+  EXPECT_TRUE(about_to_go.take(*parse_status("OL FSD"))) << "another one";
+  EXPECT_TRUE(AboutToGo().take(*parse_status("FSD OB"))) << "without mains at the start";
+  EXPECT_TRUE(AboutToGo().take(*parse_status("FSD"))) << "nothing says that mains are there";
 }
 
 TEST(NutCodec, QuantitiesAreNumbersFromZeroUp) {

@@ -123,6 +123,23 @@ TEST_F(UpsBehindUpsd, TellsMainsFromBatteryAndALowBattery) {
   EXPECT_EQ(*reading->find("rack_low_battery_1"), 1);
 }
 
+TEST_F(UpsBehindUpsd, AForcedShutdownIsAboutToTakeThePowerUnlessItWasThereAtTheStart) {
+  const auto is_forced = [](const auto& one) { return one && *one->find("rack_forced_1") == 1; };
+  auto made = make(rack()), later = make(rack());
+  ASSERT_TRUE(made && later);
+  auto& ups = *made->as<Instrument>();
+  ASSERT_TRUE(read_until(ups, [](const auto& one) { return one.has_value(); }));
+  status("FSD OL");
+  const auto reading = read_until(ups, is_forced);
+  ASSERT_TRUE(reading) << reading.error().message;
+  EXPECT_EQ(*reading->find("rack_low_battery_1"), 1);
+  EXPECT_EQ(*reading->find("rack_on_battery_1"), 0);
+  const auto at_start = run(later->as<Instrument>()->read());
+  ASSERT_TRUE(at_start) << at_start.error().message;
+  EXPECT_EQ(*at_start->find("rack_forced_1"), 1);
+  EXPECT_EQ(*at_start->find("rack_low_battery_1"), 0);
+}
+
 TEST_F(UpsBehindUpsd, SaysThatItsDriverIsGoneAndIsBackWithIt) {
   auto made = make(rack());
   ASSERT_TRUE(made) << made.error().message;

@@ -78,6 +78,35 @@ TEST(MicroscopeRows, AreRefusedWhereTheirNumbersAreShifted) {
       << indents.error().message;
 }
 
+// The same picture by a microscope whose axes point elsewhere: the numbers are right.
+TEST(MicroscopeRows, AreToldThatThePictureIsMirroredOrTurned) {
+  struct Frame {
+    int xx, xy, yx, yy;  // of the picture by the robot's x and y
+    const char* correction;
+  };
+  const auto record = made_indents();
+  for (const Frame& one : {Frame{1, 0, 0, -1, "mirrored, y_um points the other way"},
+                           Frame{-1, 0, 0, 1, "mirrored, x_um points the other way"},
+                           Frame{-1, 0, 0, -1, "turned by 180 degrees"},
+                           Frame{0, 1, -1, 0, "write -y_um as x_um and x_um as y_um"},
+                           Frame{0, -1, 1, 0, "write y_um as x_um and -x_um as y_um"},
+                           Frame{0, 1, 1, 0, "exchange the two columns"},
+                           Frame{0, -1, -1, 0, "write -y_um as x_um and -x_um as y_um"}}) {
+    auto rows = seen_indents(record);
+    for (auto& row : rows) {
+      const double x_um = row.x_um, y_um = row.y_um;
+      row.x_um = one.xx * x_um + one.xy * y_um;
+      row.y_um = one.yx * x_um + one.yy * y_um;
+    }
+    const auto indents = indents_seen(record, rows);
+    ASSERT_FALSE(indents) << one.correction;
+    EXPECT_EQ(indents.error().reason, "WRONG_COORDINATES") << one.correction;
+    EXPECT_NE(indents.error().message.find(one.correction), std::string::npos)
+        << indents.error().message;
+    EXPECT_EQ(indents.error().message.find("correct the ids"), std::string::npos);
+  }
+}
+
 TEST(MicroscopeRows, NameTheIndentThatWasNotMeasured) {
   const auto record = made_indents();
   auto rows = seen_indents(record);

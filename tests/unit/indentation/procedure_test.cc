@@ -26,14 +26,17 @@ class IdealCell final : public TouchingCell {
   bool above_is_there = true;
   double highest_mm = 0;     // of the robot below
   double deepest_mm = -1e9;  // of the robot below while the other one travelled
+  double most_overlap_mm = -1e9;
+  std::string source{};
 
-  Result<Answer> move_above(double x_mm, double y_mm, double) override {
+  Result<Answer> move_above(double x_mm, double y_mm, double z_mm) override {
     if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
     if (!above_is_there) return fail(ErrorCode::invalid_argument, reasons::kNoChannel, "no mm.q1");
     deepest_mm = std::max(deepest_mm, overlap_mm());
     x_ = x_mm;
     y_ = y_mm;
-    return Answer{"ideal"};
+    above_z_ = z_mm;
+    return Answer{"ideal", source};
   }
   Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) override {
     if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
@@ -43,14 +46,15 @@ class IdealCell final : public TouchingCell {
     ry_ = ry_arcsec;
     z_ = z_mm;
     highest_mm = std::max(highest_mm, z_);
+    most_overlap_mm = std::max(most_overlap_mm, overlap_mm());
     if (overlap_mm() > 0 && (touched.empty() || touched.back() != std::pair{x_, y_}))
       touched.emplace_back(x_, y_);
-    return Answer{"ideal"};
+    return Answer{"ideal", source};
   }
   Result<Answer> retract_below(double rx_arcsec, double ry_arcsec, double z_mm) override {
     if (z_mm < z_) return move_below(rx_arcsec, ry_arcsec, z_mm);
     if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
-    return Answer{"ideal"};
+    return Answer{"ideal", source};
   }
   Result<void> nudge_above(double dx_mm, double dy_mm) override {
     x_ += dx_mm;
@@ -69,7 +73,8 @@ class IdealCell final : public TouchingCell {
   Result<Here> here() override { return Here{.x_mm = x_ * 1.03, .y_mm = y_}; }
 
   double overlap_mm() const {
-    return z_ - 1.6 + y_ * tangent(rx_ + tilt_rx_arcsec) - x_ * tangent(ry_ + tilt_ry_arcsec);
+    return z_ - 0.6 - above_z_ + y_ * tangent(rx_ + tilt_rx_arcsec) -
+           x_ * tangent(ry_ + tilt_ry_arcsec);
   }
 
  private:
@@ -77,7 +82,7 @@ class IdealCell final : public TouchingCell {
     if (calls_left-- > 0) return {};
     return fail(ErrorCode::unavailable, reasons::kLinkLost, "the daemon is away");
   }
-  double x_ = 0, y_ = 0, z_ = 0, rx_ = 0, ry_ = 0;
+  double x_ = 0, y_ = 0, above_z_ = 1, z_ = 0, rx_ = 0, ry_ = 0;
   bool gave_way_ = false;
 };
 
@@ -228,16 +233,109 @@ TEST(Procedure, NeverRaisesTheRobotBelowBecauseTheOtherOneFailed) {
   EXPECT_EQ(cell.highest_mm, 0);
 }
 
+// The number of the contact goes back, and the record is younger all the same.
 TEST(Procedure, SaysWhatToDoWhenNothingIsTouched) {
   IdealCell cell;
   ProcedureRecord record;
   auto low = rules();
   low.approach = {.depart_mm = 1, .highest_mm = 1.01};
-  const auto done = carry_out(cell, low, record, kNobody);
+  std::vector<std::int64_t> revisions;
+  const auto keep = [&](const ProcedureRecord& now) -> Result<void> {
+    revisions.push_back(now.revision);
+    return {};
+  };
+  const auto done = carry_out(cell, low, record, keep);
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().reason, "NOTHING_FOUND");
   EXPECT_EQ(record.contacts, 0);
+  EXPECT_TRUE(record.contact_list.empty());
   EXPECT_FALSE(record.in_contact);
+  EXPECT_EQ(revisions, (std::vector<std::int64_t>{1, 2})) << "before the approach, at the end";
+  ASSERT_TRUE(carry_out(cell, rules(), record, keep));
+  EXPECT_EQ(record.contact_list.front().touch.contact, 1) << "of what touched";
+  for (std::size_t i = 1; i < revisions.size(); ++i)
+    EXPECT_EQ(revisions[i], revisions[i - 1] + 1) << "each change is younger";
+}
+
+// The surface is at 1.6037 mm where the first touch is made; 1 to 20 um beyond it the tool is
+// pressed in before anything can be looked at.
+TEST(Procedure, TakesNoHeightFromAnApproachThatBeginsInContact) {
+  for (const double beyond_um : {1.0, 2.0, 10.0, 20.0}) {
+    IdealCell cell;
+    ProcedureRecord record;
+    auto high = rules();
+    high.approach = {.depart_mm = 1.603665 + beyond_um * 1e-3, .highest_mm = 1.64};
+    const auto done = carry_out(cell, high, record, kNobody);
+    ASSERT_FALSE(done) << beyond_um;
+    EXPECT_EQ(done.error().reason, "OUTSIDE_LIMITS") << beyond_um;
+    EXPECT_NE(done.error().message.find("depart_mm lower"), std::string::npos)
+        << done.error().message;
+    EXPECT_TRUE(record.touches.empty()) << beyond_um;
+    EXPECT_LT(cell.most_overlap_mm, 1e-3 * beyond_um + 1e-5) << "no step further";
+    EXPECT_LT(cell.overlap_mm(), -0.5) << "retracted";
+    ASSERT_EQ(record.contact_list.size(), 1U) << "the place is used, and marked";
+    EXPECT_FALSE(record.contact_list.front().trouble.empty());
+    ASSERT_TRUE(carry_out(cell, rules(), record, kNobody)) << "begun lower, it goes on";
+    EXPECT_EQ(record.zero.contact, 8) << "the marked place has a number in the microscope";
+  }
+}
+
+ProcedureRecord stopped_at(IdealCell& cell, Stage stage, std::size_t touches = 0) {
+  ProcedureRecord record;
+  const auto until = [&](const ProcedureRecord& now) -> Result<void> {
+    if (now.stage == stage && now.touches.size() == touches && !now.in_contact)
+      return fail(ErrorCode::cancelled, reasons::kCancelled, "Ctrl-C");
+    return {};
+  };
+  EXPECT_EQ(carry_out(cell, rules(), record, until).error().message, "Ctrl-C");
+  return record;
+}
+
+// The tool is 0.1 mm lower, so contacts are at 1.5 mm: with the heights of before the approach
+// would begin 90 um inside the work-piece.
+TEST(Procedure, TouchesAnewWhereTheRobotAboveStandsAtAnotherHeight) {
+  for (const auto& [stage, touches] :
+       {std::pair{Stage::align, 2U}, {Stage::zero, 0U}, {Stage::indents, 0U}}) {
+    IdealCell cell;
+    auto record = stopped_at(cell, stage, touches);
+    auto lower = rules();
+    lower.work_mm = 0.9;
+    lower.approach = {.depart_mm = 1.48, .highest_mm = 1.53};
+    const auto done = carry_out(cell, lower, record, kNobody);
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_LT(cell.most_overlap_mm, 0.0005) << to_string(stage);
+    EXPECT_NEAR(record.height_mm, 1.5, 0.002) << to_string(stage);
+    EXPECT_EQ(record.indents.size(), 3U);
+    auto places = cell.touched;
+    std::ranges::sort(places);
+    EXPECT_EQ(std::ranges::adjacent_find(places), places.end()) << "no place is used twice";
+  }
+}
+
+TEST(Procedure, TouchesAnewWhereAnotherPlanMovesTheRobots) {
+  IdealCell cell;
+  cell.source = "plan 1";
+  auto record = stopped_at(cell, Stage::zero);
+  cell.source = "plan 2";
+  ASSERT_TRUE(carry_out(cell, rules(), record, kNobody));
+  EXPECT_GE(record.rounds.size(), 3U) << "aligned in the new plan's coordinates";
+  EXPECT_TRUE(std::ranges::any_of(record.log, [](const std::string& line) {
+    return line.find("moved by plan 1, now it is work_mm 1 and moved by plan 2") !=
+           std::string::npos;
+  }));
+}
+
+TEST(Procedure, EndsWhereAnotherPlanIsPromotedMeanwhile) {
+  IdealCell cell;
+  cell.source = "plan 1";
+  ProcedureRecord record;
+  const auto promote = [&](const ProcedureRecord& now) -> Result<void> {
+    if (now.touches.size() == 2) cell.source = "plan 2";
+    return {};
+  };
+  EXPECT_EQ(carry_out(cell, rules(), record, promote).error().reason, "CONFIGURATION_CHANGED");
+  EXPECT_LT(cell.overlap_mm(), -0.5);
+  EXPECT_TRUE(carry_out(cell, rules(), record, kNobody));
 }
 
 // The three contacts of the alignment are not pressed: the common zero is the first that is.

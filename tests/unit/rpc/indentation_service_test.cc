@@ -137,6 +137,47 @@ TEST_F(IndentationServiceTest, RefusesARecordThatCannotContinueTheStoredOne) {
   EXPECT_EQ(get(id).indentation().contact_count(), 4);
 }
 
+// The number of a contact goes back where nothing was touched: the record is younger all the same.
+TEST_F(IndentationServiceTest, ContinuesAfterAnApproachThatTouchedNothing) {
+  auto record = at_contact(0);
+  const auto id = begin(record)->indentation().id();
+  record.revision = 4;
+  record.contacts = 1;
+  record.in_contact = true;
+  ASSERT_TRUE(report(id, record));
+  const auto before_the_approach = record;
+  record.revision = 5;
+  record.contacts = 0;
+  record.in_contact = false;
+  const auto ended = report(id, record, "no contact in 40 steps");
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_FALSE(get(id).indentation().in_contact());
+  EXPECT_EQ(get(id).indentation().contact_count(), 0);
+  EXPECT_EQ(get(id).indentation().ended(), "no contact in 40 steps");
+  const auto again = begin(record);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->indentation().id(), id);
+  EXPECT_THAT(begin(before_the_approach), FailsWith(ErrorCode::failed_precondition, "NOT_NOW"));
+}
+
+TEST_F(IndentationServiceTest, SaysThatThePicturesCannotTell) {
+  const auto record = with_all_indents();
+  const auto id = begin(record)->indentation().id();
+  std::string exact =
+      "id,x_um,y_um,pixel_nm,marking_px,pictures_joined,diagonal_um\n1,0,0,140,2.5,0,\n";
+  for (const auto& made : record.indents) {
+    const bool on_x = made.planned.line == indentation::Line::x;
+    exact += fmt::format("{},{},{},140,2.5,0,\n", made.touch.contact, on_x ? made.planned.at_um : 0,
+                         on_x ? 0 : made.planned.at_um);
+  }
+  const auto imported = import_table(id, exact);
+  ASSERT_TRUE(imported) << imported.error().message;
+  EXPECT_FALSE(imported->indentation().reached()) << "U is 0.7 um, wanted are 0.2";
+  EXPECT_THAT(imported->indentation().verdict(),
+              testing::StartsWith("cannot be told with these pictures"));
+  EXPECT_EQ(nlohmann::json::parse(imported->table_json()).at("conformity"), "undecided");
+}
+
 TEST_F(IndentationServiceTest, RefusesTextsThatAreNoIndentation) {
   EXPECT_THAT(begin(at_contact(0), "name = "),
               FailsWith(ErrorCode::invalid_argument, "TOML_SYNTAX"));

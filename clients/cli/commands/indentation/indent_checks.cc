@@ -11,6 +11,7 @@
 #include "server/core/reasons.h"
 #include "server/core/text/shown_text.h"
 #include "server/formats/text/toml_text.h"
+#include "server/indentation/planned_places.h"
 
 namespace driftwise::cli {
 namespace {
@@ -173,23 +174,14 @@ void check_against_cell(const Connection& connection, const formats::Indentation
                     place + ": " + found.error().message};
     check_inside_limits(cell, *found, place);
   };
-  const auto above = [&](double x_mm, double y_mm, const std::string& place) {
-    pose.x_mm = x_mm;
-    pose.y_mm = y_mm;
-    check(file.above, place);
-  };
-  for (const auto& [x_mm, y_mm] : rules.touch_mm)
-    above(x_mm, y_mm, "[align] point " + number_text(x_mm) + ", " + number_text(y_mm));
-  for (const auto& one : rules.indents) {
-    const double way_mm = one.at_um / 1e3;
-    above(rules.zero_x_mm + (one.line == indentation::Line::x ? way_mm : 0),
-          rules.zero_y_mm + (one.line == indentation::Line::y ? way_mm : 0), "indent " + one.id);
+  for (const auto& place : indentation::planned_places(rules)) {
+    pose.x_mm = place.x_mm;
+    pose.y_mm = place.y_mm;
+    check(file.above, place.name);
   }
-  above(rules.zero_x_mm, rules.zero_y_mm, "zero_mm");
-  for (const auto& [key, height_mm] : {std::pair{"depart_mm", rules.approach.depart_mm},
-                                       std::pair{"highest_mm", rules.approach.highest_mm}}) {
-    pose.height_mm = height_mm;
-    check(file.below, std::string("[approach] ") + key);
+  for (const auto& height : indentation::planned_heights(rules)) {
+    pose.height_mm = height.height_mm;
+    check(file.below, height.name);
   }
   check_is_read(connection, file);
 }

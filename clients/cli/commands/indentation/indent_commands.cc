@@ -14,6 +14,7 @@
 #include "driftwise/v1/indentation_service.grpc.pb.h"
 #include "server/core/reasons.h"
 #include "server/core/text/shown_text.h"
+#include "server/core/try.h"
 #include "server/formats/indentation/indents_csv.h"
 #include "server/formats/indentation/procedure_json.h"
 
@@ -98,13 +99,17 @@ ExitCode start(const Session& session, const IndentArguments& a) {
   write_output_file(record_path(a.file), formats::procedure_json(record));
   console.err << "indentation " << report.id() << '\n';
   std::size_t said = record.log.size();
+  ProcedureRecord kept = record;
   const auto done =
       carry_out(cell, file.rules, record, [&](const ProcedureRecord& now) -> Result<void> {
         for (; said < now.log.size(); ++said) console.err << now.log[said] << '\n' << std::flush;
+        // First the file: were the daemon's record the younger one, the file could not go on.
+        DRIFTWISE_RETURN_IF_ERROR(kept_record(a.file, now));
+        kept = now;
         report.report(now);
-        return kept_record(a.file, now);
+        return {};
       });
-  report.report(record, done ? "all indents are made" : done.error().message);
+  report.report(kept, done ? "all indents are made" : done.error().message);
   if (!done && done.error().code == ErrorCode::cancelled)
     throw Failure{ExitCode::interrupted, "cancelled", done.error().reason, done.error().message};
   if (!done) throw failure_of_procedure(done.error());
@@ -139,7 +144,7 @@ ExitCode print_table(const Session& session, const std::vector<indentation::Inde
   const auto rows = value_or_throw(indentation::indent_table(indents, tool));
   const auto report = value_or_throw(indentation::tip_report(rows, wanted_um));
   print_indents(session.console, rows, report, tool);
-  return report.change.empty() ? ExitCode::done : ExitCode::negative;
+  return report.conformity == indentation::Conformity::within ? ExitCode::done : ExitCode::negative;
 }
 
 ExitCode table(const Session& session, const IndentArguments& a) {

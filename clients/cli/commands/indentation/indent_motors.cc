@@ -62,6 +62,7 @@ Result<Motors> IndentMotors::by_geometry(const std::string& robot, const IndentP
 
 Result<Motors> IndentMotors::of(const std::string& robot, const IndentPose& pose) {
   if (!file_.by_plan) {
+    source_ = "geometry";
     by_ = "geometry, raw motor coordinates: " + file_.reason;
     return by_geometry(robot, pose);
   }
@@ -80,6 +81,7 @@ Result<Motors> IndentMotors::of(const std::string& robot, const IndentPose& pose
   try {
     const auto target =
         connection_.ask(&v1::PlanService::Stub::ComputeJointTarget, request).target();
+    source_ = "plan " + std::to_string(target.plan_id());
     by_ = answered_by(target);
     Motors motors;
     for (const auto& one : target.coordinates())

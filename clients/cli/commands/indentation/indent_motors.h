@@ -35,13 +35,15 @@ class IndentMotors {
   Result<Motors> of(const std::string& robot, const IndentPose& pose);
   // The last answer's source: "plan 1, mn=5, ma=coarse:1", "geometry, raw motor coordinates: ...".
   const std::string& by() const { return by_; }
+  // What the heights of its coordinates depend on: "plan 1", "geometry".
+  const std::string& source() const { return source_; }
 
  private:
   Result<Motors> by_geometry(const std::string& robot, const IndentPose& pose) const;
 
   const Connection& connection_;
   const formats::IndentationFile& file_;
-  std::string by_;
+  std::string by_, source_;
 };
 
 Error error_of(const Failure& failure);

@@ -93,7 +93,7 @@ Result<WireCell::Answer> WireCell::move_above(double x_mm, double y_mm, double z
   wanted_.z_mm = z_mm;
   DRIFTWISE_TRY(const auto found, motors_.of(file_.above, wanted_));
   DRIFTWISE_RETURN_IF_ERROR(move(found));
-  return Answer{motors_.by()};
+  return Answer{motors_.by(), motors_.source()};
 }
 
 Result<WireCell::Answer> WireCell::move_below(double rx_arcsec, double ry_arcsec,
@@ -103,7 +103,7 @@ Result<WireCell::Answer> WireCell::move_below(double rx_arcsec, double ry_arcsec
   wanted_.height_mm = height_mm;
   DRIFTWISE_TRY(const auto found, motors_.of(file_.below, wanted_));
   DRIFTWISE_RETURN_IF_ERROR(move(found));
-  return Answer{motors_.by()};
+  return Answer{motors_.by(), motors_.source()};
 }
 
 Result<WireCell::Answer> WireCell::retract_below(double rx_arcsec, double ry_arcsec,
@@ -119,7 +119,7 @@ Result<WireCell::Answer> WireCell::retract_below(double rx_arcsec, double ry_arc
     value_mm = std::min(value_mm, present_mm.at(channel));
   }
   if (is_higher) DRIFTWISE_RETURN_IF_ERROR(move(found));
-  return Answer{motors_.by()};
+  return Answer{motors_.by(), motors_.source()};
 }
 
 // Positions of these axes by read-back: at once after an interrupt, else by the next reading.

@@ -207,6 +207,61 @@ TEST_F(Holds, StopsTheAxesAtOnceWhereTheRuleSaysSo) {
   expect_every_row_once(cell, cell.finish_run());
 }
 
+TEST_F(Holds, ItsEndIsNoPermissionToSwitchAServoOn) {
+  auto description = cell_with(folder / "cell.sqlite", HoldAction::stop);
+  description.holds.front().settle_s = 0;
+  CellInMemory cell{world, description, kSqlite};
+  begin_and_accept(cell, 3);
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run(cell).id)));
+  cell.until([&] { return run(cell).state == RunState::paused; });
+  ASSERT_TRUE(cell.resume());
+  cell.until([&] { return run(cell).accepted == 6; });
+  world.support_degc = world.support_set_degc = 24;
+  until_it_waits(cell);
+  cell.pass(0.5);
+  world.servo_on = false;
+  cell.pass(60);
+  const auto homes = world.homes, moves = world.moves;
+  world.support_degc = world.support_set_degc = 23;
+  cell.pass(600);
+  EXPECT_FALSE(world.servo_on);
+  EXPECT_EQ(world.homes, homes);
+  EXPECT_EQ(world.moves, moves);
+  ASSERT_TRUE(cell.resume());
+  expect_every_row_once(cell, cell.finish_run());
+}
+
+// The cell stops the axes of the run; those of a paused one are lent to the person.
+TEST_F(Holds, AStopLeavesTheMovementOfAPersonBesideAPausedRunAlone) {
+  auto description = cell_with(folder / "cell.sqlite", HoldAction::stop);
+  description.holds.front().settle_s = 0;
+  CellInMemory cell{world, description, kSqlite};
+  begin_and_accept(cell, 1);
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run(cell).id)));
+  cell.until([&] { return run(cell).state == RunState::paused; });
+  const auto lease = cell.lease();
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, lease, {4.9}, cell.answer())));
+  const auto stops = world.stops, moves = world.moves;
+  std::optional<Result<void>> moved;
+  cell.begin(cell->manual.move_to(cell.ada, lease, {-4.9}, cell.answer()), moved);
+  cell.until([&] { return world.moves > moves; });
+  // Slowly: the limit is exceeded on the way.
+  world.move_end_ns = world.move_begin_ns + nanoseconds_from_s(30).count();
+  world.support_degc = world.support_set_degc = 24;
+  cell.until(
+      [&] { return cell->holds.list().front().phase == application::HoldWatch::Phase::holding; });
+  ASSERT_FALSE(moved) << "the axis is on its way";
+  cell.until([&] { return moved.has_value(); });
+  EXPECT_TRUE(*moved) << moved->error().message;
+  EXPECT_NEAR(world.to_mm, -4.9, 1e-3);
+  EXPECT_EQ(world.stops, stops);
+  EXPECT_EQ(run(cell).state, RunState::paused);
+  world.support_degc = world.support_set_degc = 23;
+  cell.pass(60);
+  ASSERT_TRUE(cell.resume());
+  expect_every_row_once(cell, cell.finish_run());
+}
+
 TEST_F(Holds, ALimitThatIsSetAsideSuspendsNothingAndIsOnRecord) {
   CellInMemory cell{world, cell_with(folder / "cell.sqlite", HoldAction::finish_point), kSqlite};
   begin_and_accept(cell, 2);

@@ -2,6 +2,7 @@
 // the wall's here (tests/integration/cell/jog_test.cc has the real one).
 
 #include <gmock/gmock.h>
+#include <sqlite3.h>
 
 #include <cmath>
 
@@ -66,6 +67,22 @@ TEST_F(Jogging, ASlowStepTakesAsLongAsItComesNearer) {
   cell.until([&] { return jog.has_value(); }, 120);
   ASSERT_TRUE(*jog) << jog->error().message;
   EXPECT_TRUE((*jog)->released) << "three times move_timeout_s";
+}
+
+TEST_F(Jogging, ThatCannotBePutOnRecordMovesNothing) {
+  sqlite3* other = nullptr;  // another program that holds the database
+  ASSERT_EQ(sqlite3_open((folder / "cell.sqlite").c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  const int moves = world.moves;
+  const auto refused = begin({"q1_mm", 0.9, false});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("another program holds the database"));
+  EXPECT_EQ(world.moves, moves);
+  ASSERT_EQ(sqlite3_exec(other, "ROLLBACK", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(other);
+  lease = cell.lease();
+  EXPECT_TRUE(begin({"q1_mm", 0.9, false}));
+  EXPECT_EQ(world.moves, moves + 1);
 }
 
 TEST_F(Jogging, RefusesWhatIsNoBoundedStepAndNothingMoves) {

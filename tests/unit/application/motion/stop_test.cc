@@ -63,6 +63,47 @@ TEST_F(Stopping, IsTakenWhileTheDaemonEndsUntilTheAxesRest) {
   EXPECT_FALSE(cell.halt_not_on_record()) << "the stop is on record";
 }
 
+// The stop of the end cuts off what the movement by hand asks the controller meanwhile.
+TEST_F(Stopping, IsNotPressedWhereTheEndOfTheDaemonCutsOffAMovementByHand) {
+  for (const double cut_s : {0.01, 0.3, 3.0}) {
+    world = {};
+    CellInMemory ending{world, small_cell(folder / ("cut" + std::to_string(cut_s))), kSqlite};
+    ASSERT_TRUE(ending.await(ending->manual.home(ending.ada, ending.lease())));
+    const auto lease = ending.lease();
+    std::optional<Result<void>> moved;
+    ending.begin(ending->manual.move_to(ending.ada, lease, {2}, {}), moved);
+    ending.until([&] { return ending.now().utc_ns < world.move_end_ns; });
+    world.cut = true;
+    bool rests = false;
+    asio::co_spawn(ending.io(), ending.cell().come_to_rest(),
+                   [&](std::exception_ptr) { rests = true; });
+    ending.pass(cut_s);
+    world.cut = false;
+    ending.until([&] { return rests; });
+    EXPECT_GE(ending.now().utc_ns, world.move_end_ns) << "halted";
+    ASSERT_TRUE(moved);
+    ASSERT_FALSE(*moved);
+    EXPECT_EQ(moved->error().reason, "SHUTTING_DOWN") << cut_s;
+    EXPECT_TRUE(ending.events_named("queue.held").empty()) << cut_s;
+    EXPECT_TRUE(ending.events_named("stop.unconfirmed").empty()) << cut_s;
+    EXPECT_TRUE(ending.status().pending_stops.empty()) << cut_s;
+    ending.shut_down();
+  }
+}
+
+// A controller that answers nothing until the daemon has ended: the next start sends the stop.
+TEST_F(Stopping, OfAMovementByHandIsLeftToTheNextStartWhereTheAxesAreNotKnownToRest) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  const auto lease = cell.lease();
+  std::optional<Result<void>> moved;
+  cell.begin(cell->manual.move_to(cell.ada, lease, {2}, {}), moved);
+  cell.until([&] { return moving(); });
+  world.axis_away = true;
+  cell.shut_down();
+  ASSERT_EQ(stored().size(), 1u);
+  EXPECT_THAT(stored().front().cause, HasSubstr("the daemon ended during a movement by hand"));
+}
+
 TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
   begin_and_be_on_the_way();
   const int moves = world.moves;

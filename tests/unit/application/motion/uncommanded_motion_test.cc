@@ -25,6 +25,24 @@ class UncommandedMotion : public testing::Test {
     world.move_end_ns = 0;
   }
   std::vector<std::string> alarms(const std::string& kind) { return cell.alarms_of(kind); }
+  void pause_and_resume(RunId run) {
+    ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run)));
+    cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+    ASSERT_TRUE(cell.resume());
+    cell.until([&] { return cell.status().run->run.state == RunState::running; });
+  }
+  void until_waiting() {
+    cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+  }
+  void expect_that_nobody_switches_it_on() {
+    const auto homes = world.homes, moves = world.moves;
+    cell.pass(600);
+    EXPECT_NE(cell.status().run->run.state, RunState::running);
+    EXPECT_THAT(cell.status().run->run.reason, HasSubstr("servo"));
+    EXPECT_FALSE(world.servo_on);
+    EXPECT_EQ(world.homes, homes);
+    EXPECT_EQ(world.moves, moves);
+  }
 };
 
 TEST_F(UncommandedMotion, PausesTheRunAndAcceptsNoPointOfIt) {
@@ -96,6 +114,67 @@ TEST_F(UncommandedMotion, AServoThatIsFoundOffAfterABreakKeepsTheRunWaitingForAP
   EXPECT_FALSE(world.servo_on);
   EXPECT_EQ(world.homes, homes);
   EXPECT_EQ(world.moves, moves);
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+// A resume is about the machine as it stood then: what is switched off later stays off.
+TEST_F(UncommandedMotion, AnEarlierResumeSwitchesNoServoOn) {
+  const auto run = cell.begin_run(lines_of(4, {2, -3, 1}, true));
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  pause_and_resume(run.id);
+  cell.until([&] { return cell.status().run->run.accepted == 6; });
+  world.axis_away = true;
+  world.servo_on = false;
+  until_waiting();
+  world.axis_away = false;
+  expect_that_nobody_switches_it_on();
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+TEST_F(UncommandedMotion, AStartSwitchesNoServoOnOnceItHasWaited) {
+  world.laser_away = true;
+  cell.begin_run(lines_of(1, {2, -3}, true));
+  until_waiting();
+  cell.pass(3600);
+  world.servo_on = false;
+  world.laser_away = false;
+  expect_that_nobody_switches_it_on();
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+// Another device is away: a resume whose look found that is none for what is switched off then.
+TEST_F(UncommandedMotion, AResumeThatHasToWaitForADeviceSwitchesNoServoOn) {
+  const auto run = cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  static_cast<void>(cell.await(cell->manual.stop_all(cell.ada)));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  world.laser_away = true;
+  ASSERT_TRUE(cell.resume());
+  cell.pass(3600);
+  EXPECT_EQ(cell.status().run->run.accepted, 3);
+  world.servo_on = false;
+  world.laser_away = false;
+  expect_that_nobody_switches_it_on();
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_EQ(cell.await(cell.datums(run.id))->back().reason, "servo off");
+}
+
+TEST_F(UncommandedMotion, AServoIsSeenToBeSwitchedOffWhileTheRunWaitsForAnotherDevice) {
+  cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  world.laser_away = true;
+  until_waiting();
+  cell.pass(120);
+  EXPECT_THAT(alarms("motion.servo_off"), IsEmpty());
+  world.servo_on = false;
+  cell.pass(30);
+  EXPECT_THAT(alarms("motion.servo_off"), SizeIs(1));
+  world.laser_away = false;
+  expect_that_nobody_switches_it_on();
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done);
 }

@@ -1,6 +1,7 @@
 // What moves a robot that people have stopped, and what does not.
 
 #include <gmock/gmock.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 
@@ -165,6 +166,31 @@ TEST_F(AtTheMachine, AResumeAndAMovementInTheSameInstantAreNotBothTaken) {
   EXPECT_EQ(homed->error().reason, "RUN_UNDER_WAY");
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_EQ(world.homes, homes);
+}
+
+// Motion and heat that nobody could tell of afterwards.
+TEST_F(AtTheMachine, WhatMovesOrHeatsIsOnRecordFirst) {
+  const RunId run = begin_and_accept(3);
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run)));
+  until_paused();
+  cell.pass(10);
+  const auto lease = cell.lease();
+  sqlite3* other = nullptr;  // another program that holds the database
+  ASSERT_EQ(sqlite3_open((folder / "cell.sqlite").c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  const int moves = world.moves;
+  const auto resumed = cell.resume();
+  ASSERT_FALSE(resumed);
+  EXPECT_THAT(resumed.error().message, HasSubstr("another program holds the database"));
+  EXPECT_FALSE(cell.await(cell->manual.set_stabiliser(cell.ada, lease, "support", 30)));
+  cell.pass(60);
+  EXPECT_EQ(world.moves, moves);
+  EXPECT_EQ(cell.status().run->run.state, RunState::paused);
+  EXPECT_EQ(world.support_set_degc, 23.0);
+  ASSERT_EQ(sqlite3_exec(other, "ROLLBACK", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(other);
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
 
 TEST_F(AtTheMachine, PositionsAndLengthsAreSeenBetweenRuns) {

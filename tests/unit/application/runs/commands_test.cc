@@ -8,6 +8,8 @@
 namespace driftwise::tests {
 namespace {
 
+using testing::HasSubstr;
+
 class Commands : public testing::Test {
  protected:
   Folder folder;
@@ -100,6 +102,69 @@ TEST_F(Commands, ADatasetGoesOutAndComesBackExactly) {
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->state, RunState::done);
   EXPECT_EQ(*cell.await(cell->datasets.export_csv({imported->id}, false)), *csv);
+}
+
+// A file that says nothing of itself: rows that this cell did not measure are not said to be its.
+TEST_F(Commands, AnExportSaysWhichRowsThisCellDidNotMeasure) {
+  const auto measured = cell.begin_run(lines_of(2, {1, -2}, true)).id;
+  cell.finish_run();
+  const auto import = [this](const std::string& csv) {
+    return cell.await(cell->datasets.import_csv(cell.ada, "bare.csv", csv, ""))->id;
+  };
+  const std::string rows = "time_s,q1_mm,x_mm\n1,0,0\n2,1,1\n3,2,2\n";
+  const auto bare = import(rows), with_parts = import(
+                                      "# parts: t01=robot\ntime_s,q1_mm,x_mm,t01_degC\n"
+                                      "1,0,0,20\n2,1,1,21\n3,2,2,22\n");
+  const auto exported = [this](const std::vector<RunId>& runs) {
+    return *cell.await(cell->datasets.export_csv(runs, false));
+  };
+  const auto n = [](RunId run) { return std::to_string(run.value); };
+  EXPECT_THAT(exported({bare}), testing::Not(testing::AnyOf(HasSubstr("cell:"), HasSubstr("runs:"),
+                                                            HasSubstr("compensation:"))));
+  EXPECT_THAT(exported({bare}), testing::EndsWith(rows));
+  EXPECT_THAT(exported({with_parts}), testing::Not(HasSubstr("cell:")));
+  const auto files = exported({bare, with_parts});
+  EXPECT_THAT(files, HasSubstr("# runs: " + n(bare) + ", " + n(with_parts) + "\n"));
+  EXPECT_THAT(files, HasSubstr("# parts: t01=robot\n"));
+  EXPECT_THAT(files, testing::Not(testing::AnyOf(HasSubstr("cell:"), HasSubstr("compensation:"))));
+  const auto mixed = exported({measured, bare});
+  EXPECT_THAT(mixed, HasSubstr("# cell: "));
+  EXPECT_THAT(mixed, HasSubstr("# compensation: run " + n(measured) + " none, run " + n(bare) +
+                               " imported\n"));
+}
+
+// Lines at the head of a file that a computation reads, of two files and of a file beside a run.
+TEST_F(Commands, SeveralFilesAndRunsAreTakenTogetherWithWhatTheyState) {
+  const auto measured = cell.begin_run(lines_of(2, {1, -2}, true)).id;
+  cell.finish_run();
+  const auto import = [this](const std::string& lines) {
+    const std::string rows = "time_s,q1_mm,x_mm,t01_degC\n1,0,0,20\n2,1,1,21\n3,2,2,22\n";
+    return cell.await(cell->datasets.import_csv(cell.ada, "f.csv", lines + rows, ""))->id;
+  };
+  const auto taken = [this](const std::vector<RunId>& runs) {
+    return cell.await(cell->datasets.load(runs, ""));
+  };
+  const auto says = [](const Dataset& data, const std::string& key) {
+    for (const auto& [found, value] : data.metadata)
+      if (found == key) return value;
+    return std::string();
+  };
+  const std::string yes = "# overruns: yes\n# parts: t01=air\n# measured_by: x=laser\n";
+  const auto one = import(yes), two = import(yes), plain = import("# measured_by: x=laser\n");
+  const auto both = taken({one, two});
+  ASSERT_TRUE(both) << both.error().message;
+  EXPECT_EQ(says(*both, "overruns"), "yes");
+  EXPECT_EQ(says(*both, "parts"), "t01=air");
+  EXPECT_EQ(says(*both, "measured_by"), "x=laser");
+  EXPECT_EQ(taken({one, plain}).error().reason, "METADATA_DISAGREE");
+  const auto beside = taken({measured, one});
+  ASSERT_FALSE(beside);
+  EXPECT_EQ(beside.error().reason, "METADATA_DISAGREE");
+  EXPECT_THAT(beside.error().message,
+              testing::StartsWith("run 2 states '# overruns: yes' and run 1 does not: "));
+  const auto with_plain = taken({measured, plain});
+  ASSERT_TRUE(with_plain) << with_plain.error().message;
+  EXPECT_EQ(says(*with_plain, "left_out"), "measured_by of x: not stated by run 1");
 }
 
 TEST_F(Commands, SteeringARunThatIsNotThereSaysSo) {

@@ -118,6 +118,60 @@ TEST_F(Passages, AnApproachFromAsideIsInThePath) {
       << "no instrument was read beside the row";
 }
 
+// 3 is reached from above, and approached again from there: towards zero it would come from below.
+TEST_F(Passages, AnApproachFromAsideKeepsTheSideOfThePlan) {
+  cell().begin_run(
+      "q1_mm,set,line,zero\n2,calibration,1,0\n4,calibration,1,0\n"
+      "3,calibration,1,0\n");
+  until_accepted(2);
+  world.disturbed_readings = 12;
+  const auto run = cell().finish_run();
+  EXPECT_EQ(run.accepted, 3);
+  EXPECT_THAT(commanded_mm(points(run.id)), ElementsAre(0, 2, 4, 3, 3.1, 3, 0));
+}
+
+TEST_F(Passages, WhereAStopOrAPersonLeftTheAxesIsInThePath) {
+  const auto id = cell().begin_run(lines_of(3, {2, -3}, false)).id;
+  until_accepted(2);
+  const auto until_paused = [this] {
+    cell().until([&] { return cell().status().run->run.state == RunState::paused; });
+  };
+  ASSERT_TRUE(cell().await(cell()->runs.pause(cell().ada, id)));
+  until_paused();
+  ASSERT_TRUE(
+      cell().await(cell()->manual.move_to(cell().ada, cell().lease(), {4.5}, cell().answer())));
+  ASSERT_TRUE(cell().resume());
+  until_accepted(3);
+  cell().until([&] { return cell().status().run->phase == "moving"; });
+  cell().pass(0.6);
+  static_cast<void>(cell().await(cell()->manual.stop_all(cell().ada)));
+  until_paused();
+  const double stopped_mm = world.to_mm + world.reference_mm;
+  EXPECT_GT(stopped_mm, -2.9);
+  EXPECT_LT(stopped_mm, 1.9);
+  ASSERT_TRUE(cell().resume());
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  const auto data = dataset(id);
+  EXPECT_THAT(data.find("q1_cmd")->values,
+              ElementsAre(0, 2, -3, 0, NearNm(4.5), 0, 2, NearNm(stopped_mm), -3, 0, 2, -3, 0));
+  EXPECT_THAT(data.excluded, ElementsAre(4, 0, 0, 4, 4, 4, 0, 4, 0, 4, 0, 0, 4));
+  EXPECT_TRUE(std::ranges::is_sorted(data.time_s, std::less_equal<>()));
+}
+
+// Axes that stand where the run left them are in no second row.
+TEST_F(Passages, APauseAloneIsNoPlace) {
+  const auto id = cell().begin_run(lines_of(2, {2, -3}, true)).id;
+  until_accepted(2);
+  ASSERT_TRUE(cell().await(cell()->runs.pause(cell().ada, id)));
+  cell().until([&] { return cell().status().run->run.state == RunState::paused; });
+  ASSERT_TRUE(cell().resume());
+  world.laser_away = true;
+  cell().until([&] { return cell().status().run->run.state == RunState::waiting; });
+  world.laser_away = false;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(passages(id), IsEmpty());
+}
+
 TEST_F(Passages, ARestartShowsTheWayOverItsNewZero) {
   const auto id = cell().begin_run(lines_of(3, {2, -3}, false)).id;
   until_accepted(3);

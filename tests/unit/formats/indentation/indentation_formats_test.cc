@@ -101,10 +101,13 @@ TEST(ProcedureJson, KeepsEveryField) {
   record.key = "a key";
   record.stage = indentation::Stage::indents;
   record.tool = "diamond 3";
+  record.revision = 31;
   record.contacts = 9;
   record.in_contact = true;
   record.aside_um = 20;
+  record.anew = 1;
   record.rx_arcsec = -540.25;
+  record.heights_by = {.work_mm = 0.9, .source = "plan 1"};
   record.log = {"align: a \"sentence\""};
   record.zero_here.degc = {{"t04_degC", 21.5}};
   record.indents.push_back({.planned = {.id = "x100", .at_um = 100, .closed_loop = true},
@@ -122,6 +125,10 @@ TEST(ProcedureJson, KeepsEveryField) {
   const auto read = read_procedure_json(text, "state.json");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(procedure_json(*read), text);
+  EXPECT_EQ(read->revision, 31);
+  EXPECT_EQ(read->anew, 1);
+  EXPECT_EQ(read->heights_by->source, "plan 1");
+  EXPECT_EQ(read->heights_by->work_mm, 0.9);
 }
 
 TEST(ProcedureJson, IsRefusedWhenItIsDeepInsteadOfOverflowingTheStack) {
@@ -146,6 +153,7 @@ TEST(ProcedureJson, IsRefusedWithANumberBeyondDoubles) {
 TEST(ProcedureJson, OfARecordWithoutTheLaterListsIsRead) {
   std::string text = replaced(procedure_json({}), "\"contact_list\"", "\"of_later\"");
   text = replaced(std::move(text), "\"rounds\"", "\"of_later_too\"");
+  text = replaced(std::move(text), "\"revision\"", "\"of_later_yet\"");
   EXPECT_TRUE(read_procedure_json(text, "s.json"));
 }
 
