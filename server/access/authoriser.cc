@@ -1,5 +1,6 @@
 #include "server/access/authoriser.h"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -118,7 +119,12 @@ std::vector<EndingProof> Authoriser::ending() const {
       if (token.expires_utc_s)
         proofs.push_back({"token " + token.id, token.name, token.role, token.created_utc_s,
                           *token.expires_utc_s});
-  return access::ending(proofs, parts_.utc_s());
+  auto all = access::ending(proofs, parts_.utc_s());
+  const std::vector<EndingProof> told = all;
+  for (const auto& proof : proofs)
+    if (std::ranges::find(told, proof.subject, &EndingProof::subject) == told.end())
+      all.push_back({proof.subject, ""});
+  return all;
 }
 
 tl::unexpected<Error> Authoriser::nobody(const Evidence& evidence) {

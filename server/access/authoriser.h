@@ -79,7 +79,8 @@ class Authoriser {
   // checked since the start.
   bool knows(std::string_view bearer) const;
 
-  // Tokens and certificates that are about to end, or have just ended.
+  // Tokens and certificates that are about to end, or have just ended, each with its sentence; then
+  // the others that are known, without one.
   std::vector<EndingProof> ending() const;
 
   // The identity may do this. Errors: permission_denied NEEDS_ROLE: who, what was asked, the role

@@ -21,7 +21,7 @@ struct ProofEnd {
 };
 
 struct EndingProof {
-  std::string subject, message;
+  std::string subject, message;  // without a message: known, and its end is not to be spoken of
 };
 // Those to speak of: from 30 days before the end, of a short one from the last third of its time,
 // until a week after it. Not where a later one of the same kind, name and role is there.

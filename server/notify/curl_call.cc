@@ -198,8 +198,8 @@ Result<std::string> post(const HttpPost& call, std::chrono::milliseconds limit,
   return said;
 }
 
-Result<std::string> send_mail(const MailCall& call, std::chrono::milliseconds limit,
-                              const std::atomic<bool>& stop) {
+Result<Delivery> send_mail(const MailCall& call, std::chrono::milliseconds limit,
+                           const std::atomic<bool>& stop) {
   std::array<char, CURL_ERROR_SIZE> error{};
   const Easy easy = begin(call.url, call.ca_file, limit, stop, error.data());
   if (!easy) return not_delivered(call.url, "libcurl cannot begin");
@@ -227,12 +227,22 @@ Result<std::string> send_mail(const MailCall& call, std::chrono::milliseconds li
   set(easy, CURLOPT_DEBUGFUNCTION, &note_command);
   set(easy, CURLOPT_DEBUGDATA, &talk);
   const CURLcode code = perform(easy, stop);
-  if (code != CURLE_OK)
-    return failed(code, call.url, error.data(), talk.refusal.empty() ? talk.last : talk.refusal,
-                  stop);
-  std::string said = talk.last.empty() ? "accepted" : talk.last;
-  for (const auto& one : talk.refused) said += "; NOT DELIVERED to " + one.address + ": " + one.why;
-  return said;
+  if (code != CURLE_OK) {
+    auto none =
+        failed(code, call.url, error.data(), talk.refusal.empty() ? talk.last : talk.refusal, stop);
+    // Nobody is left whom a later try would reach.
+    const bool for_good =
+        talk.refused.size() == call.to.size() &&
+        std::ranges::all_of(talk.refused, [](const auto& one) { return one.why.starts_with('5'); });
+    if (for_good && !stop.load()) none.value().code = ErrorCode::failed_precondition;
+    return none;
+  }
+  Delivery delivery(talk.last.empty() ? "accepted" : talk.last);
+  for (const auto& one : talk.refused) {
+    delivery.said += "; NOT DELIVERED to " + one.address + ": " + one.why;
+    delivery.refused.push_back({one.address, one.why, one.why.starts_with('4')});
+  }
+  return delivery;
 }
 
 }  // namespace driftwise::notify

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/core/ports/outside/notifier.h"
 #include "server/core/result.h"
 
 namespace driftwise::notify {
@@ -26,9 +27,10 @@ struct MailCall {
 // 2xx), cancelled SHUTTING_DOWN.
 Result<std::string> post(const HttpPost& call, std::chrono::milliseconds limit,
                          const std::atomic<bool>& stop);
-// Result: the server's last line, "250 OK", with each recipient that it refused: the others have
-// the mail. Errors besides: NOT_DELIVERED also where it refuses all of them.
-Result<std::string> send_mail(const MailCall& call, std::chrono::milliseconds limit,
-                              const std::atomic<bool>& stop);
+// Result: the server's last line, "250 OK", and each recipient that it refused: the others have
+// the mail. Errors besides: NOT_DELIVERED also where it refuses all of them,
+// failed_precondition where it does so for good (5xx).
+Result<Delivery> send_mail(const MailCall& call, std::chrono::milliseconds limit,
+                           const std::atomic<bool>& stop);
 
 }  // namespace driftwise::notify

@@ -30,7 +30,7 @@ Json alert_of(const Notice& notice, const AlarmNews& news) {
   std::string hence;
   for (const auto& one : alarm.consequences) hence += (hence.empty() ? "" : "\n") + clean_line(one);
   Json annotations = {{"summary", clean_line(alarm.message)}};
-  if (is_on_record(alarm)) annotations["alarm"] = std::to_string(alarm.id.value);
+  if (is_on_record(notice, alarm)) annotations["alarm"] = std::to_string(alarm.id.value);
   if (!hence.empty()) annotations["description"] = hence;
   if (alarm.acknowledged.utc_ns != 0)
     annotations["acknowledged_by"] = clean_line(alarm.acknowledged_by);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "server/core/text/clean_text.h"
+#include "server/core/text/with_subject.h"
 
 namespace driftwise::notify {
 namespace {
@@ -32,7 +33,9 @@ std::string_view severity_of(const AlarmRecord& alarm) {
   return "warning";
 }
 
-bool is_on_record(const AlarmRecord& alarm) { return alarm.id.value > 0; }
+bool is_on_record(const Notice& notice, const AlarmRecord& alarm) {
+  return notice.is_of_record && alarm.id.value > 0;
+}
 
 bool is_resolved(const Notice& notice) {
   return !notice.news.empty() && std::ranges::all_of(notice.news, [](const AlarmNews& news) {
@@ -62,7 +65,7 @@ std::string title_of(const Notice& notice) {
   const auto& first = *std::ranges::max_element(notice.news, {}, [](const AlarmNews& news) {
     return news.kind == NewsKind::resolved ? -1 : static_cast<int>(news.alarm.priority());
   });
-  title += word_of(first) + ": " + first.alarm.message;
+  title += word_of(first) + ": " + with_subject(first.alarm.subject, first.alarm.message);
   if (notice.news.size() > 1) title += " (and " + std::to_string(notice.news.size() - 1) + " more)";
   return clean_line(title);
 }
@@ -71,11 +74,13 @@ std::string text_of(const Notice& notice) {
   std::string text;
   for (const auto& news : notice.news) {
     const auto& alarm = news.alarm;
-    text += word_of(news) + ": " + clean_line(alarm.message) + "\n";
+    text += word_of(news) + ": " + clean_line(with_subject(alarm.subject, alarm.message)) + "\n";
     for (const auto& one : alarm.consequences) text += "  hence: " + clean_line(one) + "\n";
-    text += (is_on_record(alarm) ? "  alarm " + std::to_string(alarm.id.value)
-                                 : std::string("  not on record yet")) +
-            ", " + alarm.kind + ", since " + to_iso8601(news.since);
+    if (is_on_record(notice, alarm))
+      text += "  alarm " + std::to_string(alarm.id.value) + ", ";
+    else
+      text += notice.is_of_record ? "  not on record yet, " : "  ";
+    text += alarm.kind + ", since " + to_iso8601(news.since);
     if (news.cleared.ns != 0) text += ", over since " + to_iso8601(news.cleared);
     if (alarm.acknowledged.utc_ns != 0) text += ", seen by " + clean_line(alarm.acknowledged_by);
     text += "\n\n";
@@ -83,11 +88,7 @@ std::string text_of(const Notice& notice) {
   if (notice.news.empty()) text += std::string(kTest) + "\n\n";
   text += "Cell " + clean_line(notice.cell) + ", " + to_iso8601(notice.at) + "\n";
   if (!notice.web_address.empty()) text += notice.web_address + "\n";
-  const auto known = std::ranges::find_if(
-      notice.news, [](const AlarmNews& news) { return is_on_record(news.alarm); });
-  if (known != notice.news.end())
-    text += "driftwise alarms acknowledge " + std::to_string(known->alarm.id.value) +
-            "   says that you have seen it: it is not repeated\n";
+  if (!notice.remedy.empty()) text += clean_line(notice.remedy) + "\n";
   return text;
 }
 

@@ -46,8 +46,8 @@ std::string message_id(const ReceiverDescription& receiver, const Notice& notice
          (at == std::string::npos ? "@driftwise" : receiver.from.substr(at));
 }
 
-Result<std::string> tell_by_mail(const ReceiverDescription& receiver, const Notice& notice,
-                                 const std::atomic<bool>& stop) {
+Result<Delivery> tell_by_mail(const ReceiverDescription& receiver, const Notice& notice,
+                              const std::atomic<bool>& stop) {
   DRIFTWISE_TRY(const auto password, secret_of(receiver.password_file));
   const Mail mail{receiver.from,
                   receiver.to,
@@ -77,8 +77,7 @@ std::vector<std::string> filled_in(std::vector<std::string> command, const Notic
 
 }  // namespace
 
-Result<std::string> OutsideNotifier::tell(const ReceiverDescription& receiver,
-                                          const Notice& notice) {
+Result<Delivery> OutsideNotifier::tell(const ReceiverDescription& receiver, const Notice& notice) {
   if (!receiver.command.empty())
     return run_command(filled_in(receiver.command, notice), webhook_json(receiver.name, notice),
                        kCommandLimit, stop_);

@@ -9,7 +9,7 @@ namespace driftwise::notify {
 // Webhooks, mails and commands as they leave the machine. Any thread.
 class OutsideNotifier final : public Notifier {
  public:
-  Result<std::string> tell(const ReceiverDescription& receiver, const Notice& notice) override;
+  Result<Delivery> tell(const ReceiverDescription& receiver, const Notice& notice) override;
   Result<std::string> report(const WatchdogRules& watchdog, const LifeSign& sign) override;
   void shut_down() override { stop_ = true; }
 

@@ -1,11 +1,14 @@
 #include "server/watchdog/watchdog.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <deque>
+#include <list>
 
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -45,34 +48,93 @@ class Outbox {
   void add(std::vector<AlarmNews> news) {
     for (auto& one : news) {
       say_(std::string(one.kind == NewsKind::resolved ? "over: " : "") + one.alarm.message);
-      waiting_.push_back(std::move(one));
+      waiting_.push_back({std::move(one), utc_now(), receiver_.to});
     }
   }
 
   void look() {
     repeat_what_stands();
-    if (waiting_.empty() || under_way_ || monotonic_s() < next_try_s_) return;
-    under_way_ = true;
-    Notice notice{waiting_.front().alarm.subject, "", utc_now(), {waiting_.front()}, false};
-    boost::asio::post(thread_, [this, notice = std::move(notice)] {
-      auto said = notifier_.tell(receiver_, notice);
-      boost::asio::post(context_, [this, said = std::move(said)] { told(said); });
-    });
+    if (under_way_) return;
+    const auto late = std::ranges::find_if(
+        late_, [](const Late& one) { return monotonic_s() >= one.next_try_s; });
+    if (late != late_.end()) {
+      sending_ = late;
+      send(late->message);
+    } else if (!waiting_.empty() && monotonic_s() >= next_try_s_) {
+      sending_ = late_.end();
+      send(waiting_.front());
+    }
   }
 
  private:
-  void told(const Result<std::string>& said) {
-    under_way_ = false;
+  struct Waiting {
+    AlarmNews news;
+    UtcTime at;                   // of its first try: a mail keeps its Message-ID
+    std::vector<std::string> to;  // of a mail
+  };
+
+  // The cell's own command would ask the daemon that is silent, and its numbers are others.
+  std::string remedy_of(const AlarmNews& news) const {
+    if (news.kind == NewsKind::resolved) return "nothing to do: the cell speaks again";
+    if (news.alarm.kind != "cell.silent")
+      return "look at the record of this cell before anything is added to it; this is told once";
+    return "go and look at the cell: its computer, its daemon (systemctl status driftwised), the "
+           "network; " +
+           (receiver_.repeat_h > 0
+                ? fmt::format("this is told again every {:g} h until it speaks", receiver_.repeat_h)
+                : std::string("this is told once"));
+  }
+
+  // Some recipients of a mail have it, these do not yet: they delay nobody else.
+  struct Late {
+    Waiting message;
+    double retry_s = 1, next_try_s = 0;
+  };
+
+  void send(const Waiting& message) {
+    under_way_ = true;
+    Notice notice{message.news.alarm.subject, "", message.at, {message.news}, false};
+    notice.is_of_record = false;
+    notice.remedy = remedy_of(message.news);
+    ReceiverDescription receiver = receiver_;
+    receiver.to = message.to;
+    boost::asio::post(thread_, [this, receiver = std::move(receiver), notice = std::move(notice)] {
+      auto said = notifier_.tell(receiver, notice);
+      boost::asio::post(context_, [this, said = std::move(said)] {
+        under_way_ = false;
+        say_(said ? "delivered: " + said->said
+                  : "not delivered, tried again: " + said.error().message);
+        if (sending_ == late_.end())
+          told(said);
+        else
+          told_late(said);
+      });
+    });
+  }
+
+  void told_late(const Result<Delivery>& said) {
+    if (said || said.error().code == ErrorCode::failed_precondition) {  // refused for good
+      if (!said) say_("given up for " + sending_->message.to.front());
+      late_.erase(sending_);
+      return;
+    }
+    sending_->retry_s = std::min(2 * sending_->retry_s, kLongestRetry_s);
+    sending_->next_try_s = monotonic_s() + sending_->retry_s;
+  }
+
+  void told(const Result<Delivery>& said) {
     if (!said) {
       retry_s_ = std::clamp(2 * retry_s_, 1.0, kLongestRetry_s);
       next_try_s_ = monotonic_s() + retry_s_;
-      say_("not delivered, tried again: " + said.error().message);
       return;
     }
-    say_("delivered: " + *said);
     retry_s_ = next_try_s_ = 0;
-    AlarmNews news = std::move(waiting_.front());
+    const Waiting message = std::move(waiting_.front());
     waiting_.pop_front();
+    for (const auto& one : said->refused)
+      if (one.for_now)
+        late_.push_back({{message.news, message.at, {one.address}}, 1, monotonic_s() + 1});
+    AlarmNews news = message.news;
     std::erase_if(standing_,
                   [&](const Standing& one) { return one.news.alarm.id == news.alarm.id; });
     if (news.kind == NewsKind::resolved || news.alarm.kind != "cell.silent") return;
@@ -84,8 +146,9 @@ class Outbox {
     if (receiver_.repeat_h <= 0) return;
     for (auto& one : standing_) {
       const bool queued = std::ranges::any_of(
-          waiting_, [&](const AlarmNews& news) { return news.alarm.id == one.news.alarm.id; });
-      if (!queued && monotonic_s() >= one.repeat_at_s) waiting_.push_back(one.news);
+          waiting_, [&](const Waiting& it) { return it.news.alarm.id == one.news.alarm.id; });
+      if (!queued && monotonic_s() >= one.repeat_at_s)
+        waiting_.push_back({one.news, utc_now(), receiver_.to});
     }
   }
 
@@ -97,7 +160,9 @@ class Outbox {
   const ReceiverDescription& receiver_;
   Notifier& notifier_;
   const std::function<void(const std::string&)>& say_;
-  std::deque<AlarmNews> waiting_;
+  std::deque<Waiting> waiting_;
+  std::list<Late> late_;
+  std::list<Late>::iterator sending_ = late_.end();  // end: the first that waits
   std::vector<Standing> standing_;
   bool under_way_ = false;
   double retry_s_ = 0, next_try_s_ = 0;

@@ -9,25 +9,35 @@
 namespace driftwise::application {
 
 Awaitable<Result<void>> AlarmBook::restore() {
-  constexpr int kMost = 10'000;
-  DRIFTWISE_CO_TRY(const auto alarms, co_await writer_.alarms().alarms(false, kMost));
+  constexpr int kAll = 0;  // however many nobody has acknowledged
+  DRIFTWISE_CO_TRY(const auto alarms, co_await writer_.alarms().alarms(false, kAll));
   for (const auto& alarm : alarms)
     if (alarm.cleared.utc_ns == 0)
-      standing_[{alarm.kind, alarm.subject}] = {alarm.id, 0, alarm.message, alarm.consequences,
-                                                clock_.now().utc};
+      standing_[{alarm.kind, alarm.subject}] = {
+          alarm.id, 0, alarm.message, alarm.consequences, clock_.now().utc, alarm};
   co_return Result<void>{};
 }
 
-Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
+std::vector<AlarmRecord> AlarmBook::unjudged() const {
+  std::vector<AlarmRecord> out;
+  for (const auto& [key, standing] : standing_)
+    if (standing.restored) out.push_back(*standing.restored);
+  return out;
+}
+
+Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions, IsJudged is_judged) {
   std::set<Key> found;
   for (const auto& condition : conditions) {
     Key key{condition.kind, condition.subject};
-    if (const auto known = standing_.find(key); known != standing_.end())
+    if (const auto known = standing_.find(key); known != standing_.end()) {
       known->second.looks_without = 0;
-    else if (const auto waiting = unstored_.find(key); waiting != unstored_.end())
-      waiting->second.looks_without = 0, waiting->second.alarm.cleared = {};
-    else if (!condition.settling)
+      if (!condition.settling) known->second.restored.reset();
+    } else if (const auto waiting = unstored_.find(key); waiting != unstored_.end()) {
+      waiting->second.looks_without = 0;
+      waiting->second.alarm.cleared = {};
+    } else if (!condition.settling) {
       unstored_.emplace(key, Unstored{begun(condition)});
+    }
     found.insert(std::move(key));
   }
   auto storing = store_what_waits(found);
@@ -35,8 +45,12 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
   auto telling = tell_what_changed(conditions);
   co_await std::move(telling);
   std::vector<Key> over;
-  for (auto& [key, standing] : standing_)
-    if (!found.contains(key) && ++standing.looks_without >= kLooksToClear) over.push_back(key);
+  for (auto& [key, standing] : standing_) {
+    if (found.contains(key)) continue;
+    if (standing.restored && is_judged && !is_judged(*standing.restored)) continue;
+    standing.restored.reset();
+    if (++standing.looks_without >= kLooksToClear) over.push_back(key);
+  }
   for (const Key& key : over) {
     const AlarmId id = standing_[key].id;
     const CellTime now = clock_.now().utc;
@@ -65,7 +79,11 @@ Awaitable<void> AlarmBook::tell_what_changed(const std::vector<AlarmCondition>& 
     const auto stored =
         co_await writer_.alarms().tell(told.id, condition.message, condition.consequences);
     if (!stored) co_return;
-    standing_[key] = {stored->id, 0, condition.message, condition.consequences, clock_.now().utc};
+    standing_[key] = {.id = stored->id,
+                      .message = condition.message,
+                      .consequences = condition.consequences,
+                      .told = clock_.now().utc,
+                      .restored = std::move(standing_[key].restored)};
     watchers_.publish(*stored);
   }
 }
@@ -84,8 +102,11 @@ Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
     if (!stored) co_return;  // no room yet
     const auto one = unstored_.extract(key).mapped();
     if (one.alarm.cleared.utc_ns == 0)
-      standing_[key] = {stored->id, std::max(0, one.looks_without - 1),  // look() counts this one
-                        stored->message, stored->consequences, clock_.now().utc};
+      standing_[key] = {.id = stored->id,
+                        .looks_without = std::max(0, one.looks_without - 1),  // look() counts it
+                        .message = stored->message,
+                        .consequences = stored->consequences,
+                        .told = clock_.now().utc};
   }
   while (!unstored_notes_.empty()) {
     const auto oldest = unstored_notes_.front();

@@ -1,10 +1,15 @@
 #pragma once
 // Alarms that stand, each with its beginning, its end and its acknowledgement, kept in the store:
 // what was acknowledged before a restart stays so, and what still holds goes on instead of
-// beginning anew. Executor's thread.
+// beginning anew. What a source knows of its condition (since when a value is beyond a limit, that
+// a receiver takes nothing) does not outlast the daemon, so that its silence after a start says
+// nothing: an alarm of before the start ends only when its source has judged since. Executor's
+// thread.
 
 #include <deque>
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -30,13 +35,18 @@ class AlarmBook {
 
   AlarmBook(Clock& clock, StoreWriter& writer) : clock_(clock), writer_(writer) {}
 
+  // Whether the source of this alarm's condition has looked at it since the start.
+  using IsJudged = std::function<bool(const AlarmRecord&)>;
+
   // Once, before the first look: what the store has standing.
   Awaitable<Result<void>> restore();
+  // Alarms of before the start that no source has judged since: they stand.
+  std::vector<AlarmRecord> unjudged() const;
   // Raises what is new and clears what is over. What the store refuses (a full disk) is kept with
   // its beginning, and its end where it has one, and tried again at every look: the alarm of the
   // full disk itself is over by the time that it can be written. One that returns meanwhile goes
-  // on.
-  Awaitable<void> look(std::vector<AlarmCondition> conditions);
+  // on. is_judged: asked of what unjudged() has and conditions do not; empty: all is judged.
+  Awaitable<void> look(std::vector<AlarmCondition> conditions, IsJudged is_judged = {});
   // Something that happened and is over at once: stands until it is acknowledged. Each is an alarm
   // of its own, also where the store refuses several of one kind and subject.
   Awaitable<void> note(AlarmCondition condition);
@@ -59,6 +69,7 @@ class AlarmBook {
     std::string message = {};
     std::vector<std::string> consequences = {};
     CellTime told = {};
+    std::optional<AlarmRecord> restored = {};  // of before the start, not judged since
   };
   struct Unstored {
     AlarmRecord alarm;

@@ -96,6 +96,22 @@ void add_device_clocks(const CellStatus& status, std::vector<AlarmCondition>& ou
   }
 }
 
+// Whatever is done about a forced shutdown, upsd keeps it until it is started anew.
+void add_forced_shutdowns(const CellStatus& status, std::vector<AlarmCondition>& out) {
+  for (const auto& latest : status.values) {
+    const auto device = std::ranges::find(status.devices, latest.device,
+                                          [](const auto& one) { return one.description.id; });
+    if (device == status.devices.end() || device->description.role() != DeviceRole::supply ||
+        !latest.channel.symbol.ends_with("_forced") || latest.value != 1)
+      continue;
+    out.push_back({AlarmLevel::failed, "supply.forced", latest.device,
+                   fmt::format("{} has announced a forced shutdown (FSD): it may switch off at any "
+                               "moment, and a daemon that was started since does not end by it "
+                               "while mains are there; look at the supply, then start upsd anew",
+                               latest.device)});
+  }
+}
+
 // The rules that a run goes by, whatever the cell file says now.
 RunRules rules_of(const RunRecord& run) {
   const auto plan = read_run_plan(run.rules_json);
@@ -143,6 +159,7 @@ std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
   add_devices(status, out, lost);
   add_stale_channels(status, lost, out);
   add_device_clocks(status, out);
+  add_forced_shutdowns(status, out);
   if (status.run) add_run(*status.run, status.now.utc, out);
   if (status.recent_pause_s >= PauseMeter::kAlarm_s)
     out.push_back(

@@ -28,6 +28,8 @@ class QualityTrend {
   // they took more than kManyAttempts each. It is over once they took kFewAttempts at most: about
   // one limit it would begin and end with every other point.
   std::optional<AlarmCondition> condition(double max_spread_nm) const;
+  // Whether enough points of this run were taken to say so; they are counted from the start on.
+  bool has_judged(RunId run) const { return run_ == run && spreads_nm_.size() >= kPoints; }
 
  private:
   double attempts_each() const;

@@ -118,17 +118,22 @@ void AlarmsService::look_at_channels() {
 Awaitable<void> AlarmsService::look_for_ever() {
   if (const auto restored = co_await book_.restore(); !restored)
     events_.record_own("daemon.trouble", "reading the alarms: " + restored.error().message);
+  started_ = clock_.now().utc;
+  for (const auto& alarm : book_.unjudged()) channel_alarms_.stand(alarm.kind, alarm.subject);
   while (!ending_) {
     note_clock_jumps();
     look_at_channels();
     auto ending_shelves = book_.end_shelves();
     co_await std::move(ending_shelves);
+    for (const auto& alarm : book_.unjudged())
+      incidents_.stand(alarm.kind, alarm.subject, alarm.since, clock_.now().utc);
     auto alarms = incidents_.group(alarms_now(), clock_.now().utc);
     // A record that takes nothing for a moment explains a run that waits; it neither begins an
     // alarm nor keeps one that stands.
     std::erase_if(alarms,
                   [](const AlarmCondition& one) { return one.kind == kUnwritten && one.settling; });
-    auto looking = book_.look(std::move(alarms));
+    AlarmBook::IsJudged is_judged = [this](const AlarmRecord& alarm) { return has_judged(alarm); };
+    auto looking = book_.look(std::move(alarms), std::move(is_judged));
     co_await std::move(looking);
     const double seconds = std::max(2.0, 0.5 * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(seconds), wake_);

@@ -59,12 +59,20 @@ class AlarmsService final : public Alarms {
   void start();  // looks until shut_down()
   void shut_down();
   void look_now() { wake_.raise(); }
+  // What serves serves again, an unfinished run goes on: their silence says something from now on.
+  void note_start_is_done() { start_is_done_ = true; }
   void note_progress(const RunProgress& progress);
   void note(AlarmCondition condition);  // it happened and is over at once
 
  private:
   Awaitable<void> look_for_ever();
   std::vector<AlarmCondition> alarms_now() const;
+  // Whether the source of an alarm of before the start has looked at its condition since
+  // (alarm_book.h): alarms_judged.cc.
+  bool has_judged(const AlarmRecord& alarm) const;
+  bool has_judged_run(const AlarmRecord& alarm) const;
+  // For sources that say nothing of themselves: the longest time that they need.
+  double needed_s(const AlarmRecord& alarm) const;
   void note_clock_jumps();
   void look_at_channels();
   std::optional<double> force_now() const;  // on the end-effector, as far as it is known
@@ -99,6 +107,8 @@ class AlarmsService final : public Alarms {
   ChannelAlarms channel_alarms_;
   std::optional<RunId> last_failed_;                 // of which an alarm was made
   std::map<std::string, std::int64_t> clock_jumps_;  // by device, of which an event was made
+  CellTime started_;
+  bool start_is_done_ = false;
   Signal wake_;
   bool ending_ = false;
 };

@@ -60,6 +60,12 @@ bool cause_may_come(const std::string& kind) {
 
 }  // namespace
 
+void Incidents::stand(const std::string& kind, const std::string& subject, CellTime since,
+                      CellTime now) {
+  auto& known = known_.try_emplace({kind, subject}, Known{since, now, {}, {}, true}).first->second;
+  known.last_seen = now;
+}
+
 std::vector<AlarmCondition> Incidents::group(std::vector<AlarmCondition> conditions, CellTime now) {
   const auto key_of = [](const AlarmCondition& one) { return Key{one.kind, one.subject}; };
   for (const auto& one : conditions) {
@@ -106,10 +112,11 @@ std::vector<AlarmCondition> Incidents::group(std::vector<AlarmCondition> conditi
   }
   std::vector<AlarmCondition> out;
   for (auto& one : conditions) {
-    const auto& known = known_.at(key_of(one));
+    auto& known = known_.at(key_of(one));
     if (known.cause) continue;
     one.settling =
         one.settling || (cause_may_come(one.kind) && !known.own && now - known.since < kTogether);
+    if (!one.settling) known.own = true;
     out.push_back(one);
   }
   for (const auto& one : conditions) {

@@ -43,6 +43,8 @@ class LifeSigns {
   void shut_down();
   std::optional<ReceiverStatus> status() const;
   std::optional<AlarmCondition> condition() const;
+  // One arrived since the start, or none is sent.
+  bool has_judged() const { return rules_.watchdog.url.empty() || delivered_.utc_ns != 0; }
 
  private:
   Awaitable<void> send_for_ever();

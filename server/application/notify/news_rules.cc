@@ -57,7 +57,7 @@ bool is_routed(const ReceiverDescription& receiver, const AlarmRecord& alarm) {
 }
 
 std::optional<DueNews> due_news(const NewsQuestion& question) {
-  const auto& [receiver, alarm, told, known_since, open, open_then] = question;
+  const auto& [receiver, alarm, told, known_since, open, open_then, now] = question;
   if (!open || is_finished(question)) return std::nullopt;
   if (told == nullptr || told->firing.utc_ns == 0) {
     if (alarm.shelved_until.utc_ns != 0) return std::nullopt;
@@ -70,11 +70,13 @@ std::optional<DueNews> due_news(const NewsQuestion& question) {
 }
 
 bool is_finished(const NewsQuestion& question) {
-  const auto& [receiver, alarm, told, known_since, open, open_then] = question;
+  const auto& [receiver, alarm, told, known_since, open, open_then, now] = question;
   if (!is_routed(receiver, alarm)) return true;
+  const bool is_cleared = alarm.cleared.utc_ns != 0;
+  if (is_cleared && alarm.cleared < now - nanoseconds_from_s(kForget_s)) return true;
   if (told != nullptr && told->firing.utc_ns != 0)
     return is_over(alarm) && (!receiver.resolved || told->resolved.utc_ns != 0);
-  if (alarm.cleared.utc_ns != 0 && alarm.cleared < known_since) return true;
+  if (is_cleared && (alarm.cleared < known_since || alarm.acknowledged.utc_ns != 0)) return true;
   // Somebody has seen it while this receiver was not to be disturbed.
   return !open_then && alarm.acknowledged.utc_ns != 0;
 }

@@ -21,9 +21,28 @@ std::string way_of(const ReceiverDescription& receiver) {
   return "mail by " + receiver.smtp;
 }
 
-Result<std::string> call(Notifier* notifier, const ReceiverDescription& receiver,
-                         const Notice& notice) {
+Result<Delivery> call(Notifier* notifier, const ReceiverDescription& receiver,
+                      const Notice& notice) {
   return notifier->tell(receiver, notice);
+}
+
+std::string remedy_of(const std::vector<AlarmNews>& news) {
+  const auto open = std::ranges::find_if(news, [](const AlarmNews& one) {
+    return one.alarm.id.value > 0 && one.alarm.acknowledged.utc_ns == 0;
+  });
+  if (open == news.end()) return {};
+  return fmt::format(
+      "driftwise alarms acknowledge {}   says that you have seen it: it is not repeated",
+      open->alarm.id.value);
+}
+
+// Recipients who were refused, with the server's words; empty: none.
+std::string refusals_of(const Result<Delivery>& said) {
+  if (!said) return said.error().message;
+  std::string text;
+  for (const auto& one : said->refused)
+    text += (text.empty() ? "" : "; ") + one.address + ": " + one.why;
+  return text;
 }
 
 }  // namespace
@@ -58,6 +77,7 @@ void NotifyDesk::shut_down() {
 }
 
 void NotifyDesk::take(const AlarmRecord& alarm) {
+  if (finished_.contains(alarm.id.value)) return;
   auto& known = known_[alarm.id.value];
   if (known.alarm.change > alarm.change) return;
   known.alarm = alarm;
@@ -132,7 +152,8 @@ NewsQuestion NotifyDesk::question(const Receiver& receiver, const Known& known) 
           told == known.told.end() ? nullptr : &told->second,
           receiver.known_since,
           open(parts_.clock.now().utc),
-          open(known.alarm.since)};
+          open(known.alarm.since),
+          parts_.clock.now().utc};
 }
 
 // News that is due, and with it what begins within the same group.
@@ -154,11 +175,17 @@ Notice NotifyDesk::due_notice(Receiver& receiver) {
            alarm.cleared.utc_ns == 0 ? UtcTime{} : parts_.clock.utc(alarm.cleared)});
   }
   if (!due) notice.news.clear();
+  notice.remedy = remedy_of(notice.news);
   return notice;
 }
 
 Awaitable<void> NotifyDesk::serve(Receiver& receiver) {
   while (!ending_) {
+    if (auto due = receiver.refused.due(parts_.clock.now().utc)) {
+      auto telling = tell_again(receiver, *std::move(due));
+      co_await std::move(telling);
+      continue;
+    }
     Notice notice = due_notice(receiver);
     if (notice.news.empty() || parts_.clock.now().utc < receiver.next_try) {
       if (known_.size() > kManyKnown) forget_what_is_over();
@@ -172,34 +199,64 @@ Awaitable<void> NotifyDesk::serve(Receiver& receiver) {
   }
 }
 
+TellingRecord* NotifyDesk::telling_of(const Receiver& receiver, const AlarmNews& news) {
+  auto known = known_.find(news.alarm.id.value);
+  if (known == known_.end())  // it was stored while the message was on its way
+    known = std::ranges::find_if(known_, [&news](const auto& entry) {
+      const AlarmRecord& one = entry.second.alarm;
+      return one.kind == news.alarm.kind && one.subject == news.alarm.subject &&
+             one.since == news.alarm.since;
+    });
+  if (known == known_.end()) return nullptr;
+  auto& told = known->second.told[receiver.description.name];
+  told.alarm = {known->first};
+  told.receiver = receiver.description.name;
+  return &told;
+}
+
+// The same mail for one recipient who was refused.
+Awaitable<void> NotifyDesk::tell_again(Receiver& receiver, RefusedRecipients::Due due) {
+  ReceiverDescription alone = receiver.description;
+  alone.to = {due.address};
+  const auto said = co_await run_on(parts_.threads, &call, parts_.notifier, alone, due.notice);
+  if (!said && ending_) co_return;
+  const CellTime now = parts_.clock.now().utc;
+  receiver.refused.tried_again(due.address, said, now, 0.5 * parts_.clock.speed());
+  receiver.answer = due.address + ": " + (said ? said->said : said.error().message);
+  std::vector<TellingRecord> tellings;
+  for (const auto& news : due.notice.news) {
+    auto* told = telling_of(receiver, news);
+    if (told == nullptr) continue;
+    told->tried = now;
+    told->failed = said ? 0 : told->failed + 1;
+    told->error = said ? "" : receiver.answer;
+    if (told->alarm.value > 0) tellings.push_back(*told);
+  }
+  auto keeping = keep(std::move(tellings));
+  co_await std::move(keeping);
+}
+
 Awaitable<void> NotifyDesk::tell(Receiver& receiver, Notice notice) {
   const auto said =
       co_await run_on(parts_.threads, &call, parts_.notifier, receiver.description, notice);
   if (!said && ending_) co_return;
   const CellTime now = parts_.clock.now().utc;
-  receiver.answer = said ? *said : said.error().message;
+  receiver.answer = said ? said->said : said.error().message;
+  if (said) receiver.refused.take(notice, receiver.description.to, said->refused, now);
   std::vector<TellingRecord> tellings;
   for (const auto& news : notice.news) {
-    auto known = known_.find(news.alarm.id.value);
-    if (known == known_.end())  // it was stored while the message was on its way
-      known = std::ranges::find_if(known_, [&news](const auto& entry) {
-        const AlarmRecord& one = entry.second.alarm;
-        return one.kind == news.alarm.kind && one.subject == news.alarm.subject &&
-               one.since == news.alarm.since;
-      });
-    if (known == known_.end()) continue;
-    auto& told = known->second.told[receiver.description.name];
-    told.alarm = {known->first};
-    told.receiver = receiver.description.name;
+    auto* found = telling_of(receiver, news);
+    if (found == nullptr) continue;
+    auto& told = *found;
     told.tried = now;
-    told.error = said ? "" : said.error().message;
-    told.failed = said ? 0 : told.failed + 1;
+    told.error = refusals_of(said);
+    told.failed = told.error.empty() ? 0 : told.failed + 1;
     if (said) {
       ++told.count;
       if (news.kind == NewsKind::firing) told.firing = now;
       (news.kind == NewsKind::resolved ? told.resolved : told.last) = now;
     }
-    if (known->first > 0) tellings.push_back(told);
+    if (told.alarm.value > 0) tellings.push_back(told);
   }
   if (said) {
     receiver.delivered = now;
@@ -239,15 +296,14 @@ Awaitable<void> NotifyDesk::keep(std::vector<TellingRecord> tellings) {
 }
 
 void NotifyDesk::forget_what_is_over() {
-  const CellTime oldest = parts_.clock.now().utc - nanoseconds_from_s(kForget_s);
   std::erase_if(known_, [&](const auto& entry) {
     const Known& known = entry.second;
     if (entry.first < 0 || known.alarm.cleared.utc_ns == 0)
       return false;  // below 0: not stored yet
-    return known.alarm.cleared < oldest ||
-           std::ranges::all_of(receivers_, [&](const auto& receiver) {
-             return is_finished(question(*receiver, known));
-           });
+    const bool over = std::ranges::all_of(
+        receivers_, [&](const auto& receiver) { return is_finished(question(*receiver, known)); });
+    if (over) finished_.insert(entry.first);
+    return over;
   });
 }
 
@@ -279,7 +335,9 @@ Awaitable<Result<std::string>> NotifyDesk::test(Caller caller, std::string name)
       rules_.cell, rules_.web_address, parts_.clock.utc(parts_.clock.now().utc), {}, true};
   const auto said =
       co_await run_on(parts_.threads, &call, parts_.notifier, receiver.description, notice);
-  receiver.answer = said ? *said : said.error().message;
+  receiver.answer = said ? said->said : said.error().message;
+  if (said)
+    receiver.refused.take(notice, receiver.description.to, said->refused, parts_.clock.now().utc);
   if (said) {  // the way is open: what waits goes now
     receiver.delivered = parts_.clock.now().utc;
     receiver.failing_since = {};
@@ -289,7 +347,19 @@ Awaitable<Result<std::string>> NotifyDesk::test(Caller caller, std::string name)
   }
   parts_.events.record(caller, "notify.tested", fmt::format("{}: {}", name, receiver.answer), {},
                        {"receiver " + name, "", said ? "arrived" : "failed"});
-  co_return said;
+  DRIFTWISE_CO_RETURN_IF_ERROR(said);
+  co_return said->said;
+}
+
+bool NotifyDesk::has_judged(const std::string& kind, const std::string& subject) const {
+  if (kind == "watchdog.unreached") return signs_.has_judged();
+  for (const auto& one : receivers_) {
+    const auto& description = one->description;
+    if (subject == description.name) return one->delivered.utc_ns != 0;
+    for (const auto& address : description.to)
+      if (subject == description.name + " " + address) return one->refused.has_reached(address);
+  }
+  return true;
 }
 
 std::vector<AlarmCondition> NotifyDesk::conditions() const {
@@ -306,6 +376,19 @@ std::vector<AlarmCondition> NotifyDesk::conditions() const {
                                to_iso8601(parts_.clock.utc(one->failing_since)), one->answer,
                                one->description.name)});
   }
+  for (const auto& receiver : receivers_)
+    for (const auto& one : receiver->refused.failing(now, patience_s)) {
+      const auto& name = receiver->description.name;
+      out.push_back(
+          {AlarmLevel::warning, "notify.failed", name + " " + one.address,
+           fmt::format("{} ({}) does not reach {} since {}: {}; {}", name,
+                       way_of(receiver->description), one.address,
+                       to_iso8601(parts_.clock.utc(one.since)), one.why,
+                       one.for_now ? "it is tried again every 5 min"
+                                   : "correct `to` of its [[notify]], or the mailbox, then "
+                                     "'driftwise notify test " +
+                                         name + "'")});
+    }
   if (auto silent = signs_.condition()) out.push_back(std::move(*silent));
   return out;
 }

@@ -11,12 +11,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "server/application/notify/life_signs.h"
 #include "server/application/notify/news_rules.h"
 #include "server/application/notify/notifications.h"
+#include "server/application/notify/refused_recipients.h"
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_reader.h"
@@ -30,8 +32,6 @@ namespace driftwise::application {
 
 class NotifyDesk final : public Notifications {
  public:
-  // An alarm that was over for so long is told no more.
-  static constexpr double kForget_s = 7 * 86'400;
   // A receiver that takes nothing for so long is itself an alarm: cell time, and at least as much
   // wall time.
   static constexpr double kFailing_s = 60;
@@ -65,8 +65,12 @@ class NotifyDesk final : public Notifications {
   Awaitable<Result<std::vector<TellingRecord>>> tellings(int limit) override;
   Awaitable<Result<std::string>> test(Caller caller, std::string receiver) override;
 
-  // notify.failed of each receiver that takes nothing, watchdog.unreached.
+  // notify.failed of each receiver that takes nothing and of each recipient of a mail who is
+  // refused, watchdog.unreached.
   std::vector<AlarmCondition> conditions() const;
+  // Whether such a condition of before the start was looked at since: something arrived there, or
+  // the cell file has it no longer.
+  bool has_judged(const std::string& kind, const std::string& subject) const;
 
  private:
   struct Known {
@@ -79,6 +83,7 @@ class NotifyDesk final : public Notifications {
     double retry_s = 0;
     std::string answer;
     std::int64_t waiting = 0;
+    RefusedRecipients refused = {};
   };
 
   void take(const AlarmRecord& alarm);
@@ -87,6 +92,9 @@ class NotifyDesk final : public Notifications {
   Awaitable<bool> restore();
   Awaitable<void> serve(Receiver& receiver);
   Awaitable<void> tell(Receiver& receiver, Notice notice);
+  Awaitable<void> tell_again(Receiver& receiver, RefusedRecipients::Due due);
+  // What the receiver knows of the alarm of this news; nullptr: it is forgotten.
+  TellingRecord* telling_of(const Receiver& receiver, const AlarmNews& news);
   Awaitable<void> keep(std::vector<TellingRecord> tellings);
   NewsQuestion question(const Receiver& receiver, const Known& known) const;
   Notice due_notice(Receiver& receiver);
@@ -98,6 +106,9 @@ class NotifyDesk final : public Notifications {
   Rules rules_;
   std::vector<std::unique_ptr<Receiver>> receivers_;
   std::map<std::int64_t, Known> known_;  // by alarm; below 0: not stored yet
+  // Those of which nothing more is told. A later change (an acknowledgement, the end of a shelf)
+  // does not make them news: what was told of them is in the store only.
+  std::set<std::int64_t> finished_;
   struct Occurrence {
     std::string kind, subject;
     std::int64_t since_ns = 0;

@@ -14,8 +14,6 @@ namespace {
 constexpr const char* kPose = "pose";
 constexpr const char* kReadback = "readback";
 constexpr const char* kZero = "zero";
-// A doubt about something that nobody asks any more: an interferometer after the run.
-constexpr double kForgotten_s = 600;
 // A single false answer is shown for so long.
 constexpr double kShown_s = 10;
 

@@ -26,6 +26,9 @@ namespace driftwise::application {
 
 class Doubts {
  public:
+  // A doubt about something that nobody asks any more: an interferometer after the run.
+  static constexpr double kForgotten_s = 600;
+
   // on_news: a doubt began. cell, clock, writer and events outlive this.
   Doubts(const CellDescription& cell, Clock& clock, StoreWriter& writer, EventLog& events,
          std::function<void()> on_news);
@@ -57,6 +60,7 @@ class Doubts {
   // Poses count from it now; without one no pose is compared with the readback.
   void take_datum(const DatumRecord& datum) { datum_ = datum; }
   void forget_datum() { datum_.reset(); }
+  bool has_datum() const { return datum_.has_value(); }  // opened since the start
   // New reference of one device: its next answer is taken as right (it was zeroed, homed, loaded).
   void begin_anew(const std::string& device) { values_.begin_anew(device); }
   // ... and all of them: a run begins, a person resumed it.

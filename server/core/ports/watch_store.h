@@ -31,7 +31,7 @@ class AlarmStore {
   // Done before: as it was.
   virtual Result<AlarmRecord> clear(AlarmId id, CellTime at) = 0;
   virtual Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) = 0;
-  // Newest first. Without history: those that still hold or nobody has acknowledged.
+  // Newest first; limit 0: all. Without history: those that still hold or nobody has acknowledged.
   virtual Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) = 0;
   // Shelves the condition of this alarm; a shelf that stands is replaced.
   virtual Result<AlarmRecord> shelve(AlarmId id, const AlarmShelf& shelf) = 0;

@@ -26,6 +26,10 @@ struct Notice {
   UtcTime at;
   std::vector<AlarmNews> news;
   bool test = false;  // without news: somebody wants to know whether it arrives
+  // The numbers of its alarms are those of a cell's record. A watchdog counts by itself, and its
+  // numbers are another alarm's in the cell.
+  bool is_of_record = true;
+  std::string remedy = {};  // what the person who reads it can do, one line; empty: nothing to say
 };
 
 // The sign of life that a watchdog expects.

@@ -1,6 +1,6 @@
 """A mail server (aiosmtpd) that reads each mail with Python's own parser and keeps it as a line of JSON.
 
-Prints "READY <port>". Refuses addresses that begin with "gone@". With a certificate and key: STARTTLS is required, and with a user and password, AUTH as well.
+Prints "READY <port>". Refuses addresses that begin with "gone@" for good, and those with "later@" once, as greylisting does. With a certificate and key: STARTTLS is required, and with a user and password, AUTH as well.
 """
 import email
 import email.policy
@@ -17,10 +17,14 @@ from aiosmtpd.smtp import AuthResult, SMTP
 class Keeper:
     def __init__(self, kept):
         self.kept = kept
+        self.seen = set()
 
     async def handle_RCPT(self, server, session, envelope, address, rcpt_options):
         if address.startswith("gone@"):
             return "550 5.1.1 no such user"
+        if address.startswith("later@") and address not in self.seen:
+            self.seen.add(address)
+            return "450 4.2.0 greylisted, try again later"
         envelope.rcpt_tos.append(address)
         envelope.rcpt_options.extend(rcpt_options)
         return "250 OK"

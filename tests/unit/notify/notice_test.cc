@@ -128,6 +128,35 @@ TEST(NoticeText, NamesTheGravestFirst) {
   EXPECT_EQ(title_of(notice_of({})), "[cell-a] a test: nothing is wrong");
 }
 
+// Somebody at home reads it: "a wrong token" says nothing without where it came from.
+TEST(NoticeText, HasTheSubjectWhereTheSentenceHasItNot) {
+  auto news = news_of(7, "record.unwritten", "database");
+  news.alarm.message = "the record takes nothing";
+  EXPECT_EQ(title_of(notice_of({news})), "[cell-a] high: database: the record takes nothing");
+  EXPECT_THAT(text_of(notice_of({news})), HasSubstr("high: database: the record takes nothing\n"));
+  news.alarm.subject = "t07_degC above 21";
+  news.alarm.message = "t07_degC is 21.5: a limit of this cell file is above 21";
+  EXPECT_EQ(title_of(notice_of({news})), "[cell-a] high: " + news.alarm.message);
+  news.alarm.subject = "laser-x";
+  news.alarm.message = "laser-xy does not answer";
+  EXPECT_EQ(title_of(notice_of({news})), "[cell-a] high: laser-x: laser-xy does not answer");
+}
+
+TEST(NoticeText, HasTheRemedyThatItCarriesAndNoOther) {
+  auto notice = notice_of({news_of(1, "cell.silent", "cell-a")});
+  notice.remedy = "go and look";
+  EXPECT_THAT(text_of(notice), HasSubstr("\ngo and look\n"));
+  EXPECT_THAT(text_of(notice), HasSubstr("  alarm 1, cell.silent, since"));
+  notice.is_of_record = false;  // a watchdog's: its 1 is another alarm's number in the cell
+  EXPECT_THAT(text_of(notice), HasSubstr("  cell.silent, since"));
+  EXPECT_THAT(text_of(notice), Not(HasSubstr("alarm 1")));
+  EXPECT_THAT(text_of(notice), Not(HasSubstr("driftwise alarms acknowledge")));
+  EXPECT_FALSE(json::parse(webhook_json("duty", notice))
+                   .at("alerts")[0]
+                   .at("annotations")
+                   .contains("alarm"));
+}
+
 TEST(MailText, WrapsLongSubjectsOfAnyLanguage) {
   std::string subject;
   for (int i = 0; i < 40; ++i) subject += "größer ";

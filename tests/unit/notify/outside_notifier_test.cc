@@ -56,7 +56,7 @@ TEST_F(OutsideNotifierTest, AWebhookGetsTheMessageAndItsToken) {
   description.token_file = secret("token", "s3cret\n");
   const auto said = notifier.tell(description, notice());
   ASSERT_TRUE(said) << said.error().message;
-  EXPECT_EQ(*said, "HTTP 200: kept");
+  EXPECT_EQ(said->said, "HTTP 200: kept");
   const auto kept = receiver.kept();
   ASSERT_EQ(kept.size(), 1U);
   EXPECT_EQ(kept[0].at("authorization"), "Bearer s3cret");
@@ -104,7 +104,7 @@ TEST_F(OutsideNotifierTest, AMailIsReadByAnotherParser) {
   const auto said =
       notifier.tell(mail_to(receiver.url(), {"ada@lab.example", "bob@lab.example"}), notice());
   ASSERT_TRUE(said) << said.error().message;
-  EXPECT_EQ(*said, "250 2.0.0 kept");
+  EXPECT_EQ(said->said, "250 2.0.0 kept");
   const auto kept = receiver.kept();
   ASSERT_EQ(kept.size(), 1U);
   EXPECT_EQ(kept[0].at("from"), "cell@lab.example");
@@ -121,14 +121,35 @@ TEST_F(OutsideNotifierTest, ARefusedRecipientKeepsAMailFromNobodyElse) {
       mail_to(receiver.url(), {"ada@lab.example", "gone@lab.example", "bob@lab.example"}),
       notice());
   ASSERT_TRUE(said) << said.error().message;
-  EXPECT_EQ(*said, "250 2.0.0 kept; NOT DELIVERED to gone@lab.example: 550 5.1.1 no such user");
+  EXPECT_EQ(said->said,
+            "250 2.0.0 kept; NOT DELIVERED to gone@lab.example: 550 5.1.1 no such user");
+  ASSERT_EQ(said->refused.size(), 1U);
+  EXPECT_EQ(said->refused[0].address, "gone@lab.example");
+  EXPECT_FALSE(said->refused[0].for_now);
   ASSERT_EQ(receiver.kept().size(), 1U);
   EXPECT_EQ(receiver.kept()[0].at("to"), (nlohmann::json{"ada@lab.example", "bob@lab.example"}));
   const auto refused = notifier.tell(mail_to(receiver.url(), {"gone@lab.example"}), notice());
   ASSERT_FALSE(refused) << "nobody is left";
   EXPECT_EQ(refused.error().reason, "NOT_DELIVERED");
   EXPECT_THAT(refused.error().message, HasSubstr("550 5.1.1 no such user"));
+  EXPECT_EQ(refused.error().code, ErrorCode::failed_precondition) << "no later try reaches anybody";
   EXPECT_EQ(receiver.kept().size(), 1U);
+}
+
+TEST_F(OutsideNotifierTest, ARecipientWhoIsRefusedForNowIsToldApartAndGetsTheSameMail) {
+  const MailReceiver receiver(folder.path());
+  const auto said =
+      notifier.tell(mail_to(receiver.url(), {"ada@lab.example", "later@lab.example"}), notice());
+  ASSERT_TRUE(said) << said.error().message;
+  ASSERT_EQ(said->refused.size(), 1U);
+  EXPECT_EQ(said->refused[0].address, "later@lab.example");
+  EXPECT_EQ(said->refused[0].why, "450 4.2.0 greylisted, try again later");
+  EXPECT_TRUE(said->refused[0].for_now);
+  ASSERT_TRUE(notifier.tell(mail_to(receiver.url(), {"later@lab.example"}), notice()));
+  const auto kept = receiver.kept();
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[1].at("to"), (nlohmann::json{"later@lab.example"}));
+  EXPECT_EQ(kept[0].at("message_id"), kept[1].at("message_id"));
 }
 
 // STARTTLS with a certificate of the test's own, and a password.

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <thread>
 
+#include "server/notify/notice_text.h"
 #include "server/notify/outside_notifier.h"
 #include "server/watchdog/watchdog_door.h"
 #include "tests/support/process.h"
@@ -23,13 +24,22 @@ using testing::HasSubstr;
 // Takes messages, once `refusals` of them were refused.
 class Taking final : public Notifier {
  public:
-  Result<std::string> tell(const ReceiverDescription&, const Notice& notice) override {
+  Result<Delivery> tell(const ReceiverDescription& receiver, const Notice& notice) override {
     const std::lock_guard lock(mutex_);
     if (refusals_ > 0) {
       --refusals_;
       return fail(ErrorCode::unavailable, "NOT_DELIVERED", "not yet");
     }
+    if (std::exchange(greylists_, false)) {
+      Delivery delivery("taken");
+      delivery.refused = {{receiver.to.back(), "450 4.2.0 greylisted", true}};
+      mails_.push_back({receiver.to.front()});
+      for (const auto& news : notice.news) taken_.push_back(news);
+      return delivery;
+    }
+    mails_.push_back(receiver.to);
     for (const auto& news : notice.news) taken_.push_back(news);
+    notices_.push_back(notice);
     return std::string("taken");
   }
   Result<std::string> report(const WatchdogRules&, const LifeSign&) override {
@@ -41,11 +51,23 @@ class Taking final : public Notifier {
     return taken_;
   }
   void refuse(int times) { refusals_ = times; }
+  void greylist_once() { greylists_ = true; }
+  std::vector<std::vector<std::string>> mails() const {  // their recipients
+    const std::lock_guard lock(mutex_);
+    return mails_;
+  }
+  std::vector<Notice> notices() const {
+    const std::lock_guard lock(mutex_);
+    return notices_;
+  }
 
  private:
   mutable std::mutex mutex_;
   int refusals_ = 0;
+  bool greylists_ = false;
   std::vector<AlarmNews> taken_;
+  std::vector<std::vector<std::string>> mails_;
+  std::vector<Notice> notices_;
 };
 
 class WatchdogTest : public testing::Test {
@@ -63,6 +85,7 @@ class WatchdogTest : public testing::Test {
       options.heads = heads;
       options.expect = cells;
       options.silent_after_s = silent_after_s;
+      options.receiver.to = to;
       const auto done = run_watchdog(
           std::move(options), taking, [&ready](const std::string& a) { ready.set_value(a); },
           [](const std::string&) {}, [this] { return over_.load(); });
@@ -102,6 +125,7 @@ class WatchdogTest : public testing::Test {
   tests::TemporaryFolder folder;
   std::string heads = folder.path() + "/heads.log", address;
   Taking taking;
+  std::vector<std::string> to;
 
  private:
   notify::OutsideNotifier outside_;
@@ -172,6 +196,27 @@ TEST_F(WatchdogTest, RaisesSilenceUntilItIsDeliveredAndTellsItsEnd) {
   const auto back = wait_for(2);
   ASSERT_GE(back.size(), 2U);
   EXPECT_EQ(back[1].kind, NewsKind::resolved);
+}
+
+// The daemon is silent, and its alarm 1 is another one.
+TEST_F(WatchdogTest, SaysWhatToDoAtTheCellAndNamesNoCommandOfItsDaemon) {
+  begin(1, {"cell-a"});
+  ASSERT_EQ(wait_for(1).size(), 1U);
+  const auto notice = taking.notices().front();
+  const auto text = notify::text_of(notice);
+  EXPECT_THAT(text, testing::Not(HasSubstr("driftwise alarms")));
+  EXPECT_THAT(text, testing::Not(HasSubstr("alarm 1")));
+  EXPECT_THAT(text, HasSubstr("go and look at the cell: its computer, its daemon"));
+  EXPECT_THAT(text, HasSubstr("told again every 4 h until it speaks"));
+}
+
+TEST_F(WatchdogTest, TriesARecipientAgainWhoIsRefusedForNow) {
+  to = {"ada@lab.example", "bob@lab.example"};
+  taking.greylist_once();
+  begin(1, {"cell-a"});
+  ASSERT_EQ(wait_for(2).size(), 2U);
+  EXPECT_THAT(taking.mails(), testing::ElementsAre(std::vector<std::string>{"ada@lab.example"},
+                                                   std::vector<std::string>{"bob@lab.example"}));
 }
 
 TEST_F(WatchdogTest, ExpectsWhatItKnewBeforeItsRestart) {

@@ -10,6 +10,7 @@
 #include "clients/cli/core/text.h"
 #include "clients/cli/core/validators.h"
 #include "driftwise/v1/watch_service.grpc.pb.h"
+#include "server/core/text/with_subject.h"
 
 namespace driftwise::cli {
 namespace {
@@ -64,7 +65,7 @@ ExitCode list_alarms(const Session& session, bool all) {
     session.console.out << alarm.id() << "  " << level_word(paint, alarm.level()) << "  "
                         << priority_word(alarm.priority()) << "  " << utc_text(alarm.since_time())
                         << "  " << alarm.kind() << "  " << standing_of(alarm) << "\n    "
-                        << alarm.message() << '\n';
+                        << with_subject(alarm.subject(), alarm.message()) << '\n';
     for (const auto& one : alarm.consequences())
       session.console.out << "      hence: " << one << '\n';
   }

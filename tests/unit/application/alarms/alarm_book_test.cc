@@ -114,9 +114,9 @@ class AlarmBookTest : public testing::Test {
     io.restart();
     io.run();
   }
-  void look(const Conditions& conditions) {
+  void look(const Conditions& conditions, AlarmBook::IsJudged is_judged = {}) {
     clock.advance(nanoseconds_from_s(2));
-    done(book->look(conditions));
+    done(book->look(conditions, std::move(is_judged)));
   }
   std::vector<AlarmRecord> standing() { return store->alarms().alarms(false, 100).value(); }
 
@@ -187,6 +187,46 @@ TEST_F(AlarmBookTest, WhatEndedWhileTheDaemonWasAwayIsClearedAfterIt) {
   open();
   for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({});
   EXPECT_THAT(standing(), IsEmpty());
+}
+
+// A source that has not looked since the start is silent, and its silence ends nothing.
+TEST_F(AlarmBookTest, AnAlarmOfBeforeTheStartStandsUntilItsSourceHasJudged) {
+  look({lost("laser-x")});
+  look({lost("laser-x"), lost("scanner")});
+  open();
+  heard.clear();
+  bool judged = false;
+  const auto is_judged = [&judged](const AlarmRecord& alarm) {
+    return alarm.subject != "scanner" || judged;
+  };
+  for (int i = 0; i < 10 * AlarmBook::kLooksToClear; ++i) look({lost("laser-x")}, is_judged);
+  EXPECT_THAT(heard, IsEmpty());
+  ASSERT_EQ(book->unjudged().size(), 1u);
+  EXPECT_EQ(book->unjudged()[0].subject, "scanner");
+  judged = true;
+  for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({}, is_judged);
+  EXPECT_EQ(heard.size(), 2u) << "both are over";
+  EXPECT_THAT(book->unjudged(), IsEmpty());
+}
+
+TEST_F(AlarmBookTest, WhatHoldsIsTakenUpHoweverManyNobodyHasAcknowledged) {
+  constexpr int kMany = 10'001;  // one more than a list of alarms holds
+  look({lost("laser-x")});
+  AlarmRecord over;
+  over.kind = "run.failed";
+  over.subject = "run 3";
+  over.since = over.cleared = clock.now().utc;
+  for (int i = 0; i < kMany; ++i) ASSERT_TRUE(store->alarms().raise(over));
+  open();
+  look({lost("laser-x")});
+  const auto holding = [this] {
+    auto alarms = store->alarms().alarms(false, 0).value();
+    std::erase_if(alarms, [](const AlarmRecord& alarm) { return alarm.cleared.utc_ns != 0; });
+    return alarms.size();
+  };
+  EXPECT_EQ(holding(), 1u) << "not a second one";
+  for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({});
+  EXPECT_EQ(holding(), 0u) << "it ends";
 }
 
 TEST_F(AlarmBookTest, WhatIsOverAtOnceStandsUntilSomebodyHasSeenIt) {

@@ -46,5 +46,16 @@ TEST(StaleChannels, OfTheThermometersAreAnAlarmWhileARunIsUnderWay) {
   EXPECT_THAT(kinds_of(status), ElementsAre("channel.stale"));
 }
 
+TEST(ForcedShutdown, IsAnAlarmAsLongAsTheSupplySaysSo) {
+  auto status = status_of(DeviceRole::supply);
+  auto& said = status.values.front();
+  said.channel = {"ups_forced", "1"};
+  said.value = 0;
+  said.stale = false;
+  EXPECT_THAT(kinds_of(status), IsEmpty());
+  said.value = 1;
+  EXPECT_THAT(kinds_of(status), ElementsAre("supply.forced"));
+}
+
 }  // namespace
 }  // namespace driftwise::application

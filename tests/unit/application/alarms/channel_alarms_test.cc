@@ -51,6 +51,17 @@ TEST_F(ChannelAlarmsTest, IsOverWhenTheValueIsBackByTheHysteresis) {
   EXPECT_THAT(at(100, 20.9), IsEmpty());
 }
 
+TEST_F(ChannelAlarmsTest, OneOfBeforeTheStartNeedsNoTimeAgainAndEndsByItsHysteresis) {
+  alarms.stand("channel.limit", "t07_degC above 21");
+  EXPECT_FALSE(alarms.has_judged("channel.limit", "t07_degC above 21"));
+  EXPECT_THAT(at(0, kMissing), IsEmpty()) << "nothing was read yet: no value to be told";
+  EXPECT_FALSE(alarms.has_judged("channel.limit", "t07_degC above 21"));
+  EXPECT_EQ(at(1, 20.6).size(), 1U) << "for_s is 60, and it is not back by 0.5";
+  EXPECT_TRUE(alarms.has_judged("channel.limit", "t07_degC above 21"));
+  EXPECT_THAT(at(2, 20.5), IsEmpty());
+  EXPECT_TRUE(alarms.has_judged("channel.limit", "t07_degC above 25")) << "no limit any more";
+}
+
 TEST_F(ChannelAlarmsTest, CriticalIsAKindOfItsOwn) {
   rule.priority = "critical";
   rule.for_s = 0;

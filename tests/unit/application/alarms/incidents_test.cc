@@ -36,6 +36,10 @@ class IncidentsTest : public testing::Test {
     now_ = now_ + nanoseconds_from_s(after_s);
     return incidents_.group(conditions, now_);
   }
+  void restart() { incidents_ = {}; }
+  void stand(const std::string& kind, const std::string& subject) {
+    incidents_.stand(kind, subject, CellTime{1'000}, now_);
+  }
   static std::vector<std::string> subjects(const Conditions& alarms) {
     std::vector<std::string> out;
     for (const auto& alarm : alarms)
@@ -61,6 +65,22 @@ TEST_F(IncidentsTest, ALostDeviceIsOneAlarmWithAllThatFollows) {
   EXPECT_THAT(alarms[0].consequences,
               ElementsAre("run 3 waits: device 'scanner' at 127.0.0.1:5001: no answer",
                           "t01_degC is old", "t02_degC is old"));
+}
+
+// Once it is under another one, it would be told as over while it holds.
+TEST_F(IncidentsTest, WhatStandsAsAnAlarmBecomesNoConsequence) {
+  const auto axis = lost_device("axis", "10.0.0.7:5000"),
+             scanner = lost_device("scanner", "10.0.0.7:5002");
+  const auto stale = stale_channel("t01_degC", "scanner");
+  look({stale});
+  EXPECT_THAT(subjects(look({stale}, 31)), ElementsAre("t01_degC"));
+  EXPECT_THAT(subjects(look({scanner, stale}, 5)), ElementsAre("t01_degC", "scanner"));
+  // Over a restart, which finds the axis first.
+  restart();
+  stand("device.lost", "scanner");
+  EXPECT_THAT(subjects(look({axis})), ElementsAre("axis"));
+  for (int i = 0; i < 30; ++i) stand("device.lost", "scanner"), look({axis});
+  EXPECT_THAT(subjects(look({axis, scanner})), ElementsAre("scanner", "axis"));
 }
 
 TEST_F(IncidentsTest, OfDevicesBehindOneAddressTheFirstThatFailedIsTheAlarm) {

@@ -22,11 +22,11 @@ class NewsRules : public testing::Test {
   }
   std::optional<DueNews> due(bool open = true, bool open_then = true) const {
     return due_news(
-        {receiver, alarm, told.count > 0 ? &told : nullptr, at(-1000), open, open_then});
+        {receiver, alarm, told.count > 0 ? &told : nullptr, at(-1000), open, open_then, now});
   }
   bool finished(bool open_then = true) const {
     return is_finished(
-        {receiver, alarm, told.count > 0 ? &told : nullptr, at(-1000), true, open_then});
+        {receiver, alarm, told.count > 0 ? &told : nullptr, at(-1000), true, open_then, now});
   }
   void tell(double s) {
     told.count = 1;
@@ -35,6 +35,7 @@ class NewsRules : public testing::Test {
   ReceiverDescription receiver;
   AlarmRecord alarm;
   TellingRecord told;
+  CellTime now = at(0);
 };
 
 TEST_F(NewsRules, AnAlarmIsToldAfterTheTimeOfItsGroup) {
@@ -106,6 +107,26 @@ TEST_F(NewsRules, WhatWasOverBeforeTheReceiverWasKnownIsNotTold) {
   EXPECT_TRUE(finished());
   alarm.cleared = at(-900);
   EXPECT_FALSE(finished());
+}
+
+TEST_F(NewsRules, WhatIsOverAndSeenIsNoNewsToWhoWasNotToldThatItBegan) {
+  alarm.cleared = at(3600);
+  EXPECT_FALSE(finished());
+  alarm.acknowledged = at(4000);
+  EXPECT_FALSE(due());
+  EXPECT_TRUE(finished());
+  tell(10);
+  ASSERT_TRUE(due()) << "who was told that it began is told its end";
+  EXPECT_EQ(due()->kind, NewsKind::resolved);
+}
+
+TEST_F(NewsRules, WhatHasBeenOverForSevenDaysIsNoNews) {
+  alarm.cleared = at(60);
+  now = at(60 + kForget_s);
+  EXPECT_FALSE(finished());
+  now = at(61 + kForget_s);
+  EXPECT_FALSE(due());
+  EXPECT_TRUE(finished());
 }
 
 TEST_F(NewsRules, LevelsAndKindsRoute) {
