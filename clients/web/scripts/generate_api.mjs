@@ -4,16 +4,24 @@ import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { fromBinary, toBinary } from '@bufbuild/protobuf';
+import { FileDescriptorProtoSchema } from '@bufbuild/protobuf/wkt';
 
 const web = join(dirname(fileURLToPath(import.meta.url)), '..');
 const protos = join(web, '../../proto');
 const out = join(web, 'src/api/gen');
 const stamp = join(out, '.made');
 
-// The descriptor as the bytes that it is, in place of their base64: gzip finds the names in it, and a quarter of its size goes.
+// The descriptor as the bytes that it is, in place of their base64: gzip finds the names in it, and a quarter of its size goes. Roles of
+// methods are the daemon's to judge.
 function plainDescriptor(file) {
   const text = readFileSync(file, 'utf8');
-  writeFileSync(file, text.replace(/fileDesc\("([^"]+)"/, (_, base64) => `fileDesc(/*@__PURE__*/ btoa(${JSON.stringify(Buffer.from(base64, 'base64').toString('latin1'))})`));
+  writeFileSync(file, text.replace(/fileDesc\("([^"]+)"/, (_, base64) => {
+    const descriptor = fromBinary(FileDescriptorProtoSchema, Buffer.from(base64, 'base64'));
+    for (const method of descriptor.service.flatMap((service) => service.method)) method.options = undefined;
+    const bytes = Buffer.from(toBinary(FileDescriptorProtoSchema, descriptor)).toString('latin1');
+    return `fileDesc(/*@__PURE__*/ btoa(${JSON.stringify(bytes)})`;
+  }));
 }
 
 const files = readdirSync(join(protos, 'driftwise/v1')).filter((name) => name.endsWith('.proto'));

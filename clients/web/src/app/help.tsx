@@ -4,6 +4,7 @@ import { Dialog } from '@/ui/dialog';
 import type { DatabaseStatus } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { dateClock, ms } from '@/format/time';
 import { cell } from '@/live/state';
+import { AlarmSwitches } from '@/parts/alarm_switches';
 import { helpOpen, keysOn, setKeysOn } from './keys';
 import { askName } from './name';
 import { operatorName, session } from './session';
@@ -55,6 +56,7 @@ function HelpContent() {
           <input type="checkbox" checked={keysOn.value} onChange={(event) => setKeysOn(event.currentTarget.checked)} />
           Single keys act as below
         </label>
+        <AlarmSwitches />
         <dl class="facts keys">
           {views.map((view) => [<dt><kbd>g</kbd> <kbd>{view.key}</kbd></dt>, <dd>{view.title}</dd>])}
           {others.map(([keys, what]) => [<dt>{keys.split(' ').map((key) => <kbd>{key}</kbd>)}</dt>, <dd>{what}</dd>])}

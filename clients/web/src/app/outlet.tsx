@@ -3,6 +3,7 @@ import type { ComponentChildren, ComponentType } from 'preact';
 import { useEffect, useErrorBoundary, useRef, useState } from 'preact/hooks';
 import { Button } from '@/ui/button';
 import { Awaiting } from '@/ui/states';
+import { epoch } from '@/live/epoch';
 import { cell } from '@/live/state';
 import { NoteMarks } from '@/parts/note_marks';
 import { useWhile } from '@/ui/use_while';
@@ -66,5 +67,6 @@ export function Outlet({ entry }: { entry: ViewEntry }) {
   }, [shown]);
   if (failed) return <OldPage title={entry.title} />;
   if (!shown) return <Awaiting what={`the view ${entry.title}`} />;
-  return <Guarded title={entry.title}><NoteMarks><shown.View /></NoteMarks></Guarded>;
+  // What a view chose, computed and merged is of the record that it was loaded from.
+  return <Guarded title={entry.title}><NoteMarks key={epoch.value}><shown.View /></NoteMarks></Guarded>;
 }

@@ -13,6 +13,8 @@ export interface Session {
 }
 
 export const session = signal<Session>({ state: 'open' });
+// Whether names in the record are proved; else they are as typed.
+export const namesAreProved = (): boolean => session.value.state !== 'open';
 export const operatorName = signal(remembered.get('operator') ?? '');
 
 export function setOperatorName(name: string): void {

@@ -19,10 +19,12 @@ export function clock(atMs: number | undefined): string {
   const d = new Date(atMs);
   return `${two(d.getUTCHours())}:${two(d.getUTCMinutes())}:${two(d.getUTCSeconds())} UTC`;
 }
-// "Sun 07:40 UTC"
-export function dayClock(atMs: number | undefined): string {
+// "Sun 07:40 UTC"; farther from now than a weekday can tell: "2011-05-13 07:40 UTC"
+const weekdaysMs = 6 * 86400e3;
+export function dayClock(atMs: number | undefined, nowMs: number): string {
   if (atMs === undefined) return '–';
   const d = new Date(atMs);
+  if (!(Math.abs(atMs - nowMs) < weekdaysMs)) return dateClock(atMs).replace(/:\d\d UTC$/, ' UTC');
   return `${days[d.getUTCDay()]} ${two(d.getUTCHours())}:${two(d.getUTCMinutes())} UTC`;
 }
 // "2011-05-13 07:40:12 UTC"

@@ -9,6 +9,21 @@ export function splitChannel(channel: string): { symbol: string; unit: string } 
   return at < 0 ? { symbol: channel, unit: '' } : { symbol: channel.slice(0, at), unit: channel.slice(at + 1) };
 }
 
+// Robot of a channel, with its dot: "mn." of "mn.q1_mm"; "" where the cell has one robot only.
+export const robotOf = (channel: string): string => channel.slice(0, channel.lastIndexOf('.') + 1);
+
+// What a channel, or its symbol, is of: the motors, the lengths or the tilts of the pose; undefined: something else.
+export function kindOf(channel: string): 'motor' | 'pose' | 'tilt' | undefined {
+  const name = channel.slice(robotOf(channel).length);
+  return /^q\d/.test(name) ? 'motor' : /^[xyz](_[^_]+)?$/.test(name) ? 'pose' : /^r[xyz](_[^_]+)?$/.test(name) ? 'tilt' : undefined;
+}
+
+// Those of the robot that has the most of them: two robots share no picture.
+export function ofOneRobot(channels: readonly string[]): string[] {
+  const of = (robot: string) => channels.filter((channel) => robotOf(channel) === robot);
+  return channels.map((channel) => of(robotOf(channel))).reduce((most, mine) => (mine.length > most.length ? mine : most), []);
+}
+
 const nmPerUnit = new Map([['m', 1e9], ['mm', 1e6], ['um', 1e3], ['nm', 1]]); // as is_length of the daemon
 
 export const isLength = (unit: string): boolean => nmPerUnit.has(unit);

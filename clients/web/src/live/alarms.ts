@@ -18,7 +18,7 @@ export const levelWords: Record<Alarm_Level, string> = {
 // What the shell's one watcher knows (app/alarm_watch.tsx): lasting ones first, the worst first; undefined: nothing asked yet.
 export const standing = signal<Asked<Alarm[]> | undefined>(undefined);
 
-// The newest alarm that began while the page was open: app/live_region.tsx says it, live/alarm_signals.ts sounds it.
+// The newest alarm that began to need a person while the page was open: app/live_region.tsx says it, live/alarm_signals.ts sounds it.
 export const arrived = signal<Alarm | undefined>(undefined);
 
 const inOrder = (a: Alarm, b: Alarm): number =>
@@ -26,6 +26,10 @@ const inOrder = (a: Alarm, b: Alarm): number =>
   Number(a.clearedTime !== undefined) - Number(b.clearedTime !== undefined) || b.priority - a.priority || b.level - a.level || Number(b.id - a.id);
 
 export const stands = (alarm: Alarm): boolean => alarm.clearedTime === undefined || alarm.acknowledgeTime === undefined;
+
+// It came, it became worse, or its shelf ended.
+const beginsToNeed = (alarm: Alarm, before: Alarm | undefined): boolean =>
+  stands(alarm) && !alarm.shelvedUntilTime && (!before || before.level < alarm.level || before.shelvedUntilTime !== undefined);
 
 const askAgainMs = 2000;
 
@@ -36,7 +40,7 @@ export function useAlarms(): Asked<Alarm[]> {
   useEvents('alarm', (alarm) => {
     let told = false;
     asked.set((old) => {
-      if (!told && !old.some((one) => one.id === alarm.id) && stands(alarm) && !alarm.shelvedUntilTime) {
+      if (!told && beginsToNeed(alarm, old.find((one) => one.id === alarm.id))) {
         told = true;
         say(`${levelWords[alarm.level]}: ${alarm.message}`);
         arrived.value = alarm;

@@ -56,7 +56,7 @@ export async function keepStreaming(listener: StreamListener, signal: AbortSigna
       await once(counting, signal);
     } catch (error) {
       const { code } = ConnectError.from(error);
-      if (code === Code.OutOfRange) listener.afresh();
+      if (code === Code.OutOfRange) listener.afresh(), (failures = 0); // what is asked anew waits for the stream, not for long
       if (code === Code.Unauthenticated) void sessionLost();
     }
     if (signal.aborted) return;

@@ -59,6 +59,7 @@ function loadAfresh(): void {
   states.clear();
   progress.value = undefined; // nothing says that no run is under way
   resetCellTime();
+  closeGate();
   epoch.value++;
   loadedAfresh.value = true;
 }

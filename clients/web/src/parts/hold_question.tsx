@@ -2,7 +2,7 @@
 // the very pause or stop that it is about; another one that came in the meantime is not ended by it.
 import { computed, signal } from '@preact/signals';
 import { RunHold_Kind, type Run } from '@/api/gen/driftwise/v1/run_pb';
-import { operatorName } from '@/app/session';
+import { namesAreProved, operatorName } from '@/app/session';
 import { dateClock, duration, ms } from '@/format/time';
 import { confirm, ReasonField, reasonTaken } from '@/ui/confirm';
 
@@ -32,7 +32,7 @@ export async function askAboutHold(run: Run, cellTimeMs: number | undefined, ver
   const off = computed(() => (byAnother && reason.value.trim() === '' ? `${hold.who} stopped it: write why the robot may move` : undefined));
   const yes = await confirm({
     title: `${verb}?`,
-    words: 'The robot moves: look at the machine first. Names are stated, not proved: this is no lock-out.',
+    words: `The robot moves: look at the machine first. ${namesAreProved() ? 'A log-in' : 'Names are stated, not proved: this'} is no lock-out.`,
     facts: [
       [whatOf[hold.kind], hold.who ? `${hold.who}${ago}` : `since ${dateClock(sinceMs)}`],
       ['Why', hold.reason],

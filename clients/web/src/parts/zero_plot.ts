@@ -1,38 +1,21 @@
-// Drift of the zero: what the instruments read at each return to zero, minus the first of the same datum.
+// Drift of the zero over the points of a run.
 import type { Point } from '@/api/gen/driftwise/v1/run_pb';
 import { ms } from '@/format/time';
-import { isLength, nmFrom, splitChannel } from '@/format/units';
+import { splitChannel } from '@/format/units';
 import { channel } from '@/live/channels';
 import { valueOf } from '@/live/points';
 import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
+import { driftOf, type ZeroDrift } from './zero_drift';
+
+export { lengthsOf, type ZeroDrift } from './zero_drift';
 
 export const axisColours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's6', 's5'];
 
-export interface ZeroDrift {
-  lengths: string[]; // "x_mm", "x_um" of an imported file
-  hours: number[];
-  nm: number[][]; // per length
-  rows: number[];
-}
-
 export function zeroDrift(points: readonly Point[], startMs: number, lengths: readonly string[]): ZeroDrift {
-  const zeros = points.filter((point) => point.zero);
-  const first = new Map<bigint, Point>(); // of each datum
-  for (const point of zeros) if (!first.has(point.datumId)) first.set(point.datumId, point);
-  return {
-    lengths: [...lengths],
-    hours: zeros.map((point) => ((ms(point.measureTime) ?? NaN) - startMs) / 3600e3),
-    nm: lengths.map((channel) => zeros.map((point) => nmFrom(valueOf(point, channel) - valueOf(first.get(point.datumId)!, channel), splitChannel(channel).unit))),
-    rows: zeros.map((point) => Number(point.row)),
-  };
-}
-
-// Lengths that the points hold, in whatever unit of length: x, y, z of the instruments, or all that are neither a motor coordinate nor
-// the spread of another channel.
-export function lengthsOf(channels: readonly string[]): string[] {
-  const all = channels.filter((name) => isLength(splitChannel(name).unit));
-  const lengths = all.filter((name) => /^[xyz]$/.test(splitChannel(name).symbol));
-  return lengths.length > 0 ? lengths : all.filter((name) => !/^(q\d|goal_|x_target)/.test(name) && !/_(cmd|std)_/.test(name));
+  const returns = points.filter((point) => point.zero).map((point) => ({
+    datum: point.datumId, hours: ((ms(point.measureTime) ?? NaN) - startMs) / 3600e3, row: Number(point.row), value: (channel: string) => valueOf(point, channel),
+  }));
+  return driftOf(returns, lengths);
 }
 
 // By its name, or by the part that the cell file declares: a thermometer of the robot is none of the air.

@@ -123,6 +123,7 @@ interface Written {
     set: string;
     zero: string;
     tries: string;
+    datum?: string; // whose zero the point counts from; older reports do not say
     columns: { channel: string; base: number; scale: number; data: string }[];
   };
   attempts?: ReportAttempt[];
@@ -143,7 +144,7 @@ export type Report = Omit<Written, 'points' | 'attempts' | 'events' | 'axes' | '
   attempts: ReportAttempt[];
   events: NonNullable<Written['events']>;
   axes: NonNullable<Written['axes']>;
-  points: { count: number; timeS: number[]; row: number[]; line: number[]; validation: boolean[]; zero: boolean[]; tries: number[]; columns: { channel: string; values: number[] }[] };
+  points: { count: number; timeS: number[]; row: number[]; line: number[]; validation: boolean[]; zero: boolean[]; tries: number[]; datum: number[]; columns: { channel: string; values: number[] }[] };
 };
 
 export const reportSchema = 'driftwise.run-report.v1';
@@ -174,7 +175,7 @@ export function readReport(text: string): Report {
       residuals: residuals.map(({ output, unit, data }) => ({ output, unit, values: unpacked(data, rows) })),
     })),
     points: {
-      count, timeS: of(written.points.time_s), row: of(written.points.row), line: of(written.points.line), tries: of(written.points.tries),
+      count, timeS: of(written.points.time_s), row: of(written.points.row), line: of(written.points.line), tries: of(written.points.tries), datum: of(written.points.datum ?? ''),
       validation: of(written.points.set).map((one) => one === 1), zero: of(written.points.zero).map((one) => one === 1),
       columns: columns.map((column) => ({ channel: column.channel, values: of(column.data).map((value) => column.base + value * column.scale) })),
     },

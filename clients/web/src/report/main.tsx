@@ -1,7 +1,6 @@
 import { render } from 'preact';
 import '@/styles/tokens.css';
 import '@/styles/base.css';
-import '@/styles/shell.css';
 import '@/styles/ui.css';
 import '@/styles/print.css';
 import { followPrinting } from '@/app/printing';

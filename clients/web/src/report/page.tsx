@@ -3,7 +3,7 @@ import { useSignal } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { count, fixed, significant } from '@/format/numbers';
 import { dateClock, duration } from '@/format/time';
-import { splitChannel, unitSign } from '@/format/units';
+import { robotOf, splitChannel, unitSign } from '@/format/units';
 import { TimeMarks } from '@/plot/marks';
 import { Plot } from '@/plot/plot';
 import { Poses } from '@/poses/poses';
@@ -172,7 +172,7 @@ function Diagnosed({ of }: { of: ReportDiagnosis }) {
 
 // Where it stood first, what went with it after, what the stabilisers did last.
 const order = [/^(x|y|z)_mm$/, /^r[xyz]_arcsec$/, /^q\d_mm$/, /^force_N$/, /^t\d/, /^air/];
-const rank = (channel: string) => (order.findIndex((pattern) => pattern.test(channel)) + order.length + 1) % (order.length + 1);
+const rank = (channel: string) => (order.findIndex((pattern) => pattern.test(channel.slice(robotOf(channel).length))) + order.length + 1) % (order.length + 1);
 
 const digits: Record<string, number> = { mm: 6, degC: 3, arcsec: 2, nm: 1, N: 3, hPa: 2, pct: 1 };
 

@@ -1,7 +1,8 @@
 // The plots of a report.
-import { splitChannel, unitSign } from '@/format/units';
+import { kindOf, ofOneRobot, splitChannel, unitSign } from '@/format/units';
 import { lookOf } from '@/plot/many';
 import { eventMarks, forceSteps } from '@/parts/time_marks';
+import { driftOf, lengthsOf } from '@/parts/zero_drift';
 import type { TimeMark } from '@/plot/marks';
 import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
 import type { PoseScene } from '@/poses/pose';
@@ -45,15 +46,15 @@ export function spreadSpec(report: Report): PlotSpec {
   };
 }
 
-// What the instruments read at each return to zero, against the first: the drift of the zero.
+// What the instruments read at each return to zero, against the first of the same datum: the drift of the zero.
 export function zeroSpec(report: Report): PlotSpec {
   const rows = report.points.zero.map((zero, i) => (zero ? i : -1)).filter((i) => i >= 0);
   const time = hours(report);
-  const lengths = ['x_mm', 'y_mm', 'z_mm'].filter((channel) => valuesOf(report, channel));
-  const series = lengths.map((channel, k): PlotSeries => {
-    const all = valuesOf(report, channel)!;
-    return { name: splitChannel(channel).symbol, unit: 'nm', colour: colours[k], x: rows.map((i) => time[i]), y: rows.map((i) => (all[i] - all[rows[0]]) * 1e6), digits: 1 };
-  });
+  const returns = rows.map((i) => ({ datum: report.points.datum[i], hours: time[i], row: report.points.row[i], value: (channel: string) => valuesOf(report, channel)![i] }));
+  const drift = driftOf(returns, lengthsOf(report.points.columns.map((one) => one.channel)));
+  const series = drift.lengths.map((channel, k): PlotSeries => (
+    { name: splitChannel(channel).symbol, unit: 'nm', colour: colours[k % colours.length], x: drift.hours, y: drift.nm[k], digits: 1 }
+  ));
   return {
     title: 'Drift of the zero', what: 'nm against hours since start, at the returns to zero', x: x(report), y: { unit: 'nm', low: -5, high: 5 }, series, file: file(report, 'zero'),
     ...(rows.length < 2 ? { why: 'The run returned to zero less than twice.' } : {}),
@@ -87,7 +88,7 @@ export function marksOf(report: Report): TimeMark[] {
 }
 
 export function poseScene(report: Report): PoseScene | undefined {
-  const channels = ['q1_mm', 'q2_mm', 'q3_mm'].filter((channel) => valuesOf(report, channel));
+  const channels = ofOneRobot(report.points.columns.map((one) => one.channel).filter((name) => kindOf(name) === 'motor' && /q\d+_mm$/.test(name))).slice(0, 3);
   if (channels.length < 2) return undefined;
   const spread = spreads(report);
   const limited = channels.every((channel) => report.axes.some((axis) => axis.channel === channel));

@@ -9,16 +9,24 @@ export interface StoryLine {
   what: string;
 }
 
-// Events of the record that tell the story; alarms are told by their own list.
-const told: Record<string, VerdictKind> = {
-  'hold.begun': 'warn', 'hold.ended': 'good', 'hold.set_aside': 'warn', 'hold.in_force': 'idle', 'hold.ends_daemon': 'bad',
-  'run.pause': 'warn', 'run.resume': 'good', 'run.resumed': 'good', 'run.abort': 'bad', 'run.restarted': 'warn', 'run.failed': 'bad', 'run.trouble': 'bad',
-  'queue.held': 'warn', 'queue.released': 'good', 'queue.failed': 'bad', 'queue.set_aside': 'bad', 'queue.follow_up_failed': 'bad',
-  'stop.pending': 'bad', 'stop.confirmed': 'warn', 'stop.unconfirmed': 'bad',
-  'daemon.started': 'idle', 'daemon.stopping': 'idle', 'daemon.paused': 'warn', 'clock.stepped': 'warn',
-  'record.unwritten': 'bad', 'record.dropped': 'bad', 'database.damaged': 'bad', 'closure.repeat': 'warn',
-  'device.lost': 'warn', 'device.back': 'good', 'device.clock_jumped': 'warn', 'load.confirmed': 'idle', 'stabiliser.set': 'idle',
+// Events of the record that tell the story: all that a person did to the run, the queue or the axes, every new datum, and what the daemon
+// did by itself. Alarms, the queue's entries, closures and rows given up are told by their own lists.
+const names: Partial<Record<VerdictKind, string>> = {
+  bad:
+    'hold.ends_daemon run.abort run.failed run.trouble queue.failed queue.set_aside queue.follow_up_failed stop ' +
+    'stop.pending stop.repeated stop.unconfirmed axes.home_failed motion.halted motion.controller_error record.unwritten ' +
+    'record.dropped database.damaged',
+  warn:
+    'hold.begun hold.set_aside run.pause run.resume_refused run.restarted run.unmeasured queue.held stop.confirmed ' +
+    'stop.kept axes.home axes.jog axes.jog_lost axes.move motion.servo_on datum.opened zero.surprising data.excluded ' +
+    'daemon.paused clock.stepped closure.repeat device.lost device.clock_jumped stabiliser.set_failed',
+  good:
+    'hold.ended run.resume run.resumed queue.released device.back',
+  idle:
+    'hold.in_force run.tagged queue.changed queue.moved queue.removed axes.waiting data.restored note.added note.pinned ' +
+    'daemon.started daemon.stopping load.confirmed load.changed stabiliser.set stabiliser.tuned',
 };
+export const told: Record<string, VerdictKind> = Object.fromEntries(Object.entries(names).flatMap(([kind, of]) => of.split(' ').map((name) => [name, kind as VerdictKind])));
 
 const priorities: Record<string, VerdictKind> = { low: 'idle', medium: 'warn', high: 'bad', critical: 'bad' };
 

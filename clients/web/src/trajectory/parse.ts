@@ -2,7 +2,7 @@
 // read it leaves out.
 import type { Pose } from '@/poses/pose';
 import { fixed } from '@/format/numbers';
-import { splitChannel } from '@/format/units';
+import { kindOf, splitChannel } from '@/format/units';
 
 export interface TrajectoryRow {
   at: number[]; // mm, in order of the coordinates
@@ -13,14 +13,14 @@ export interface TrajectoryRow {
 }
 
 export interface TrajectoryRows {
-  coordinates: string[]; // "q1_mm" or "x_mm"
+  coordinates: string[]; // "q1_mm", "x_mm" or, of the robot mn, "mn.x_mm"
   rows: TrajectoryRow[];
 }
 
 export function trajectoryRows(text: string): TrajectoryRows {
   const lines = text.replace(/^\ufeff/, '').split(/\r?\n/).map((line) => line.trim()).filter((line) => line !== '' && !line.startsWith('#'));
   const head = (lines[0] ?? '').split(',').map((field) => field.trim());
-  const coordinates = head.filter((name) => /^(q\d+|[xyz])_mm$/.test(name));
+  const coordinates = head.filter((name) => splitChannel(name).unit === 'mm' && ['motor', 'pose'].includes(kindOf(name) ?? ''));
   const places = coordinates.map((name) => head.indexOf(name));
   const column = (name: string) => head.indexOf(name);
   const [set, zero, line, force] = [column('set'), column('zero'), column('line'), column('force_N')];

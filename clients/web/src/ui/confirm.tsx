@@ -1,9 +1,10 @@
 // Asks once before something moves, heats or discards. The harmless button has the focus, Esc means it. A question ends with the
-// view that asks it, and is not answered while the page is not live.
+// view that asks it and when the page loads afresh, and is not answered while the page is not live.
 import { signal, type ReadonlySignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect } from 'preact/hooks';
 import { place } from '@/app/router';
+import { epoch } from '@/live/epoch';
 import { typed } from '@/app/storage';
 import { Button, CommandButton } from './button';
 import { Dialog } from './dialog';
@@ -43,7 +44,7 @@ export function ConfirmDialog() {
   useEffect(() => () => {
     asked.peek()?.answer(false);
     asked.value = undefined;
-  }, [path]);
+  }, [path, epoch.value]);
   const answer = (yes: boolean) => {
     asked.value = undefined;
     now?.answer(yes);

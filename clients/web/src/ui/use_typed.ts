@@ -1,4 +1,5 @@
-// Text that a person types, kept over reloads and lost connections until it was taken: call the third element then.
+// Text that a person types, kept over reloads and lost connections until it was taken: the third element empties the field then, so that
+// nothing goes into the next answer unseen.
 import { useCallback, useState } from 'preact/hooks';
 import { typed } from '@/app/storage';
 
@@ -8,6 +9,9 @@ export function useTyped(key: string, initial = ''): [string, (text: string) => 
     setText(next);
     typed.set(key, next);
   }, [key]);
-  const taken = useCallback(() => typed.set(key, ''), [key]);
+  const taken = useCallback(() => {
+    setText(initial);
+    typed.set(key, '');
+  }, [key]);
   return [text, change, taken];
 }

@@ -1,5 +1,5 @@
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest';
-import { duration, fromUtc, ms, timestampOf, utc } from '@/format/time';
+import { dayClock, duration, fromUtc, ms, timestampOf, utc } from '@/format/time';
 
 describe('times', () => {
   it.each([
@@ -10,6 +10,14 @@ describe('times', () => {
     [21900, '6 h 05 min'],
     [219600, '2 d 13 h'],
   ])('writes %s s as %s', (seconds, text) => expect(duration(seconds)).toBe(text));
+
+  it('names the weekday within six days of now, and the date elsewhere', () => {
+    const sunday = Date.UTC(2011, 4, 15, 7, 40);
+    const days = (n: number) => dayClock(sunday, sunday + n * 86400e3);
+    expect([0, 5.9, -5.9].map(days)).toEqual(Array(3).fill('Sun 07:40 UTC'));
+    expect([6, 7, 21, -7, NaN].map(days)).toEqual(Array(5).fill('2011-05-15 07:40 UTC'));
+    expect(dayClock(undefined, sunday)).toBe('–');
+  });
 
   it('goes to an address and back', () => {
     const at = Date.UTC(2011, 4, 13, 5, 40, 12);

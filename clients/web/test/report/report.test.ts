@@ -1,4 +1,7 @@
+import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
+import { PointSchema } from '@/api/gen/driftwise/v1/run_pb';
+import { zeroDrift } from '@/parts/zero_plot';
 import { readReport } from '@/report/data';
 import { poseScene, spreads, spreadSpec, zeroSpec } from '@/report/specs';
 import { storyOf } from '@/report/story';
@@ -58,10 +61,27 @@ describe('the plots of a report', () => {
     expect(spec.limits?.[0].at).toBe(20);
     expect(spreads(report)![0]).toBeCloseTo(4);
   });
-  it('count the zero from its first return', () => {
+  it('count the zero from the first return of each datum, as the page does', () => {
     const spec = zeroSpec(report);
     expect(spec.series[1].y[1]).toBeCloseTo(24, 1);
+    expect(spec.series[1].y[3]).toBeCloseTo(0, 1); // row 36, the first of datum 4
+    expect(spec.series[1].y[4]).toBeCloseTo(24, 1);
     expect(spec.series[0].x).toHaveLength(5);
+    const points = [0, 12, 24, 36, 48].map((row) => create(PointSchema, { row: BigInt(row), zero: true, datumId: row < 30 ? 3n : 4n, values: [{ channel: 'y_mm', value: row * 2e-6 }] }));
+    zeroDrift(points, 0, ['y_mm']).nm[0].forEach((nm, i) => expect(spec.series[1].y[i]).toBeCloseTo(nm, 1));
+  });
+  it('count all returns from the first in a report that says no datum', () => {
+    const older = sampleReport();
+    const { datum: _, ...points } = older.points;
+    expect(zeroSpec(readReport(JSON.stringify({ ...older, points }))).series[1].y[4]).toBeCloseTo(96, 1);
+  });
+  it('draw lengths and motors of several robots as such', () => {
+    const two = sampleReport();
+    two.points.columns = two.points.columns.map((one) => (/^[qxyz]\d?_mm$/.test(one.channel) ? { ...one, channel: `mn.${one.channel}` } : one));
+    two.axes = two.axes.map((one) => ({ ...one, channel: `mn.${one.channel}` }));
+    const both = readReport(JSON.stringify(two));
+    expect(zeroSpec(both).series.map((one) => one.name)).toEqual(['mn.x', 'mn.y', 'mn.z']);
+    expect(poseScene(both)!.axes.map((one) => one.name)).toEqual(['mn.q1', 'mn.q2', 'mn.q3']);
   });
   it('say why there is nothing', () => {
     const bare = sampleReport();

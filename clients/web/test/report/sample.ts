@@ -15,7 +15,7 @@ export function sampleReport(count = 60) {
     run: { id: 17, name: 'weekend', state: 'done', reason: '', trajectory: 'published.csv', operator: 'anna', start: '2026-11-20T16:00:00Z', end: '2026-11-21T02:00:00Z', elapsed_s: 36000, rows: count, accepted: count, given_up: 0, attempts: count + 1, restarts: 0 },
     rules: { max_spread_nm: 20 },
     points: {
-      count, time_s: packed(index.map((i) => i * 600)), row: packed(index), line: packed(index.map((i) => Math.floor(i / 12) + 1)), set: packed(index.map((i) => (i % 5 === 4 ? 1 : 0))), zero: packed(index.map((i) => (zero(i) ? 1 : 0))), tries: packed(index.map(() => 1)),
+      count, time_s: packed(index.map((i) => i * 600)), row: packed(index), line: packed(index.map((i) => Math.floor(i / 12) + 1)), set: packed(index.map((i) => (i % 5 === 4 ? 1 : 0))), zero: packed(index.map((i) => (zero(i) ? 1 : 0))), tries: packed(index.map(() => 1)), datum: packed(index.map((i) => (i < 30 ? 3 : 4))),
       columns: [
         ...['q1_mm', 'q2_mm', 'q3_mm'].map((channel, k) => column(channel, 1, 1e-6, (i) => (zero(i) ? -1e6 : 1e6 * Math.sin(i + k)))),
         ...['x_mm', 'y_mm', 'z_mm'].map((channel, k) => column(channel, 0.5, 1e-6, (i) => (zero(i) ? -5e5 + i * (k + 1) : 1e5 * i))),

@@ -5,6 +5,8 @@ import { PointSchema } from '@/api/gen/driftwise/v1/run_pb';
 import { ChannelLayoutSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { takeLayout } from '@/live/channels';
 import { airOf, lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
+import { kindOf } from '@/format/units';
+import { trajectoryRows } from '@/trajectory/parse';
 import { sceneOfPoints } from '@/views/runs/scene';
 import { at } from '../fake/cell';
 
@@ -19,6 +21,16 @@ test('lengths in any unit are compared in nm and drawn in mm', () => {
 test('motor coordinates, commands and spreads are no lengths of the pose', () => {
   expect(lengthsOf(['q1_um', 'x_um', 'x_std_nm', 't07_K'])).toEqual(['x_um']);
   expect(lengthsOf(['q1_nm', 'q1_cmd_mm', 'height_nm', 'height_std_nm'])).toEqual(['height_nm']);
+});
+
+test('a channel is a motor, a pose or a tilt behind the id of its robot', () => {
+  const two = ['mn.q1_mm', 'mn.q2_mm', 'ma.q1_mm', 'ma.x_mm', 'ma.z_mm', 'mn.x_mm', 'mn.y_mm', 'mn.z_mm', 'mn.x_std_nm', 'mn.rx_arcsec', 't04_degC'];
+  expect(two.map(kindOf)).toEqual(['motor', 'motor', 'motor', 'pose', 'pose', 'pose', 'pose', 'pose', undefined, 'tilt', undefined]);
+  expect(lengthsOf(two)).toEqual(['ma.x_mm', 'ma.z_mm', 'mn.x_mm', 'mn.y_mm', 'mn.z_mm']);
+  const points = [0, 1].map((row) => create(PointSchema, { row: BigInt(row), values: two.map((channel) => ({ channel, value: row })) }));
+  expect(sceneOfPoints({ points, passages: [], attempts: [] })!.axes.map((axis) => axis.name)).toEqual(['mn.x', 'mn.y', 'mn.z']);
+  expect(trajectoryRows('mn.q1_mm,ma.q1_mm,set\n0.5,1.5,calibration\n').rows[0].at).toEqual([0.5, 1.5]);
+  expect(trajectoryRows('mn.x_mm,mn.rx_arcsec,set\n0.5,1.5,calibration\n').coordinates).toEqual(['mn.x_mm']);
 });
 
 test('points without a length say so in place of an empty drift', () => {

@@ -4,6 +4,7 @@ import { signal } from '@preact/signals';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
+import { epoch } from '@/live/epoch';
 import { confirm, ConfirmDialog, ReasonField, reasonTaken } from '@/ui/confirm';
 
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
@@ -25,6 +26,14 @@ it('ends with the view that asked it, and not with a change of its query', async
   act(() => go('/targets?x=2'));
   expect(screen.getByText('Move there')).toBeTruthy();
   act(() => go('/now'));
+  await act(async () => undefined);
+  expect(screen.queryByText('Move there')).toBeNull();
+  expect(answer).toBe(false);
+});
+it('ends when another record stands behind the daemon', async () => {
+  let answer: boolean | undefined;
+  act(() => void confirm(question).then((yes) => (answer = yes)));
+  act(() => void epoch.value++);
   await act(async () => undefined);
   expect(screen.queryByText('Move there')).toBeNull();
   expect(answer).toBe(false);

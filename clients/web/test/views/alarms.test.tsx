@@ -8,8 +8,10 @@ import { Alarm_Level, AlarmSchema, WatchEventSchema, type Alarm } from '@/api/ge
 import { pageTitle } from '@/app/page_title';
 import { go } from '@/app/router';
 import { setOperatorName } from '@/app/session';
+import { helpOpen } from '@/app/keys';
+import { arrived, standing } from '@/live/alarms';
+import { AlarmList } from '@/views/now/alarm_list';
 import { Shell } from '@/app/shell';
-import { arrived } from '@/live/alarms';
 import { announce } from '@/live/events';
 import { startStream } from '@/live/stream';
 import { at } from '../fake/cell';
@@ -142,4 +144,40 @@ it('hands a new alarm to sound and notification once, and none that is shelved',
   fireEvent.click(await screen.findByRole('button', { name: /more that are over or shelved/ }));
   await screen.findByText(/Axis is away/, { selector: 'li p' });
   expect(arrived.value?.id).toBe(9n);
+});
+
+it('hands over an alarm that becomes worse, and one whose shelf ended', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  await screen.findByText(/Scanner answered late/, { selector: 'li p' }); // the list is there
+  const told = async (one: Alarm) => {
+    arrives(one);
+    await waitFor(() => expect(arrived.value?.message).toBe(one.message));
+  };
+  const silent = async (one: Alarm) => {
+    const before = arrived.value;
+    arrives(one);
+    await waitFor(() => expect(standing.value?.value?.map((each) => each.message)).toContain(one.message));
+    expect(arrived.value).toBe(before);
+  };
+  await told(alarm(20n, Alarm_Level.WARNING, 'Laser y is dim.'));
+  await silent(alarm(20n, Alarm_Level.WARNING, 'Laser y is still dim.'));
+  await told(alarm(20n, Alarm_Level.FAILED, 'Laser y is dark.'));
+  await silent({ ...alarm(20n, Alarm_Level.FAILED, 'Laser y is dark, shelved.'), shelvedUntilTime: at(7200) });
+  await told(alarm(20n, Alarm_Level.FAILED, 'Laser y is dark again.'));
+  await silent({ ...alarm(20n, Alarm_Level.FAILED, 'Laser y is dark, seen.'), acknowledgeTime: at(3), acknowledgedBy: 'Anna' });
+});
+
+it('has the switches of sound and notifications while nothing is wrong, and among the settings', async () => {
+  standing.value = { value: [], waiting: false, again: () => undefined, set: () => undefined };
+  render(<AlarmList />);
+  expect(screen.getByRole('button', { name: 'Alarm sound: off' })).toBeTruthy();
+  cleanup();
+  go('/record');
+  render(<Shell />);
+  helpOpen.value = true;
+  expect(await screen.findByRole('button', { name: 'Alarm sound: off' })).toBeTruthy();
+  expect(screen.getByRole('button', { name: 'Browser notifications: off' })).toBeTruthy();
+  helpOpen.value = false;
 });

@@ -1,10 +1,16 @@
 // The view Plans before a daemon in memory: which plan serves, its check, a joint target.
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
+import { create } from '@bufbuild/protobuf';
+import { createRouterTransport } from '@connectrpc/connect';
+import { act, cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
+import { EventSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
+import { PlanService } from '@/api/gen/driftwise/v1/plan_service_pb';
+import { WatchEventSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { operatorName } from '@/app/session';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
+import { announce } from '@/live/events';
 import { ConfirmDialog } from '@/ui/confirm';
 import { jointPoseTyped } from '@/views/plans/words';
 import Plans from '@/views/plans/view';
@@ -45,6 +51,25 @@ describe('serving plans', () => {
     expect(await screen.findByText('everybody who asks for joint targets, from the next target on')).toBeTruthy();
     fireEvent.click(screen.getByText('Promote plan 1'));
     await vi.waitFor(() => expect(promoted).toHaveBeenCalledWith(1n));
+  });
+  it('follows what others promote, and promotes over the plan that the question named alone', async () => {
+    let serving = 1n;
+    const promotePlan = vi.fn((_: { servingPlanId?: bigint }) => ({}));
+    useTransport(createRouterTransport(({ service }) => service(PlanService, {
+      listPlans: () => ({ plans: [1n, 2n, 3n].map((id) => ({ id, name: 'joint', version: Number(id), serves: id === serving })) }),
+      getPlan: () => ({}), checkPlan: () => ({}), promotePlan,
+    })));
+    render(<><Plans /><ConfirmDialog /></>);
+    const row = async (id: number) => (await screen.findByRole('button', { name: `Show plan ${id}` })).closest('tr')!;
+    expect((await row(1)).textContent).toContain('serves');
+    serving = 2n;
+    act(() => announce(create(WatchEventSchema, { event: { case: 'record', value: create(EventSchema, { what: 'plan.promote' }) } })));
+    await vi.waitFor(async () => expect((await row(2)).textContent).toContain('serves'));
+    expect((await row(1)).textContent).toContain('kept');
+    fireEvent.click(await screen.findByRole('button', { name: 'Promote…' }));
+    expect(await screen.findByText('Keep plan 2')).toBeTruthy();
+    fireEvent.click(screen.getByText('Promote plan 1'));
+    await vi.waitFor(() => expect(promotePlan.mock.calls[0]?.[0].servingPlanId).toBe(2n));
   });
   it('says before a rollback that no plan would serve', async () => {
     const planRolledBack = vi.fn();

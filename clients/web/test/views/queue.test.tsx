@@ -76,6 +76,11 @@ describe('the queue', () => {
     fireEvent.input(screen.getByLabelText('Not before (UTC)'), { target: { value: '2261-01-01T00:00:00Z' } });
     fireEvent.click(screen.getByText('Add to the queue…'));
     await vi.waitFor(() => expect(did).toEqual(['put back', 'added']));
+    // Nothing of it goes into the next entry unseen, and a second press adds no second one.
+    await vi.waitFor(() => expect((screen.getByLabelText('Not before (UTC)') as HTMLInputElement).value).toBe(''));
+    expect((screen.getByLabelText('Trajectory') as HTMLSelectElement).value).toBe('');
+    expect((screen.getByLabelText('Priority') as HTMLInputElement).value).toBe('0');
+    expect(screen.getByText('Add to the queue…').getAttribute('aria-disabled')).toBe('true');
   });
   it('knows what holds an entry back', () => {
     const queue = (changes: MessageInitShape<typeof ListQueueResponseSchema> = {}) => create(ListQueueResponseSchema, changes);

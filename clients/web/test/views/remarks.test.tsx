@@ -32,6 +32,8 @@ test('a remark', async () => {
   render(<Notes />);
   const field = screen.getByLabelText('What happened') as HTMLInputElement;
   const pin = screen.getByRole('button', { name: 'Pin it' });
+  const when = screen.getByLabelText('When, UTC') as HTMLInputElement;
+  fireEvent.input(when, { target: { value: '2026-12-02T01:30:00Z' } });
   const pinned = async (text: string, times: number) => {
     fireEvent.input(field, { target: { value: text } });
     await waitFor(() => expect(pin.getAttribute('aria-disabled')).toBeNull());
@@ -43,6 +45,7 @@ test('a remark', async () => {
   expect(field.value).toBe('door opened');
   fireEvent.click(pin);
   await waitFor(() => expect(field.value).toBe(''));
+  expect(when.value).toBe(''); // the next remark is of its own time
   expect(pin.getAttribute('aria-disabled')).toBe('true');
   await pinned('door opened', 3);
   expect(sent[1]).toBe(sent[0]);

@@ -42,11 +42,31 @@ afterEach(cleanup);
 
 test('time settled counts readings, and ends at a gap', () => {
   const of = support(23);
-  expect(settledFor(history([5.8, 5.9, 6], [23.001, 23.002, 23]), of)).toBeCloseTo(0.2 * 3600);
-  expect(settledFor(history([5.7, 5.8, 5.9, 6], [23, 23.02, 23, 23]), of)).toBeCloseTo(0.1 * 3600);
+  expect(settledFor(history([5.8, 5.9, 6], [23.001, 23.002, 23]), of)?.seconds).toBeCloseTo(0.2 * 3600);
+  expect(settledFor(history([5.7, 5.8, 5.9, 6], [23, 23.02, 23, 23]), of)?.seconds).toBeCloseTo(0.1 * 3600);
   expect(settledFor(history([0.1, 0.2, 0.3], [23.001, 23.002, 23]), of)).toBeUndefined();
-  expect(settledFor(history([0.1, 0.2, 3, 5.8, 5.9, 6], [23, 23, NaN, 23, 23, 23]), of)).toBeCloseTo(0.2 * 3600);
+  expect(settledFor(history([0.1, 0.2, 3, 5.8, 5.9, 6], [23, 23, NaN, 23, 23, 23]), of)?.seconds).toBeCloseTo(0.2 * 3600);
   expect(settledFor(history([5.9, 6], [23, 23.02]), of)).toBeUndefined();
+});
+
+test('a loop that swings beyond its band is settled in no window, however wide its buckets', () => {
+  const of = support(23);
+  for (const bucketS of [1, 7, 43]) {
+    const readings = Array.from({ length: 6 * 3600 }, (_, s) => 23 + 0.03 * Math.sin((2 * Math.PI * s) / 20));
+    const buckets = Array.from({ length: Math.floor(readings.length / bucketS) }, (_, i) => readings.slice(i * bucketS, (i + 1) * bucketS));
+    const track = { channel: 't', unit: 'degC', atMs: buckets.map((_, i) => (i + 0.5) * bucketS * 1000), mean: buckets.map((one) => one.reduce((sum, value) => sum + value, 0) / one.length),
+      ...(bucketS > 1 && { min: buckets.map((one) => Math.min(...one)), max: buckets.map((one) => Math.max(...one)) }) };
+    expect(settledFor({ ...history([], []), bucketS, of: () => track }, of)?.seconds ?? 0).toBeLessThan(10);
+  }
+});
+
+test('what was settled at the beginning of the window was so for at least that long', () => {
+  const all = Array.from({ length: 61 }, (_, i) => i / 10);
+  render(<StabiliserPanel of={support(23)} history={history(all, all.map(() => 23.001))} />);
+  expect(screen.getByText('settled for at least 6 h 00 min')).toBeTruthy();
+  cleanup();
+  render(<StabiliserPanel of={support(23)} history={history(all, all.map((h) => (h < 3 ? 23.02 : 23.001)))} />);
+  expect(screen.getByText('settled for 3 h 00 min')).toBeTruthy();
 });
 
 test('a support whose thermometer is silent is not called settled', () => {

@@ -1,5 +1,5 @@
 // The views before a daemon in memory: what a person reads, and that what was typed stays.
-import { cleanup, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
+import { act, cleanup, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
 import { afterEach, beforeAll, beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { go } from '@/app/router';
@@ -15,7 +15,7 @@ import { Rests } from '@/parts/rests';
 import { cell } from '@/live/state';
 import { operatorName } from '@/app/session';
 import { create } from '@bufbuild/protobuf';
-import { createRouterTransport } from '@connectrpc/connect';
+import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
 import { ModelService } from '@/api/gen/driftwise/v1/model_service_pb';
 import { CorrectionMarkSchema } from '@/api/gen/driftwise/v1/provenance_pb';
 import { GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
@@ -107,6 +107,26 @@ describe('what changes for others', () => {
     expect(await screen.findByText('correction 3 that it rests on was taken back', { selector: 'dd' })).toBeTruthy();
     fireEvent.click(await screen.findByRole('button', { name: 'Promote model 11 all the same' }));
     await vi.waitFor(() => expect(promoteModel).toHaveBeenCalledOnce());
+  });
+  it('promotes over the model that the question named alone', async () => {
+    const promoteModel = vi.fn(({ servingModelId }: { servingModelId?: bigint }) => {
+      if (servingModelId !== 12n) return {};
+      throw new ConnectError('model 13 serves by now, where model 12 was seen to serve', Code.FailedPrecondition);
+    });
+    useTransport(createRouterTransport(({ service }) => service(ModelService, { promoteModel, getModel: () => ({}) })));
+    const serves = (servingModelId?: bigint) => act(() => void (cell.value = create(GetStatusResponseSchema, { servingModelId })));
+    serves(12n);
+    render(<><Promote model={model(11)} onDone={() => {}} /><ConfirmDialog /></>);
+    fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
+    expect(await screen.findByText('Keep model 12')).toBeTruthy();
+    serves(13n); // another person's promotion
+    fireEvent.click(await screen.findByRole('button', { name: 'Promote model 11' }));
+    expect(await screen.findByText(/model 13 serves by now/)).toBeTruthy();
+    serves();
+    fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
+    fireEvent.click(await screen.findByRole('button', { name: 'Promote model 11' }));
+    await vi.waitFor(() => expect(promoteModel.mock.calls.map(([asked]) => asked.servingModelId)).toEqual([12n, 0n])); // 0: none serves
+    act(() => void (cell.value = undefined));
   });
   it('promotes a model that misses the wanted accuracy for a reason in writing only', async () => {
     const promoteModel = vi.fn(() => ({}));

@@ -23,7 +23,7 @@ export function changeText(change: PreviewExtensionResponse['changes'][number]):
 
 function Changes({ preview }: { preview: PreviewExtensionResponse }) {
   const most = 8;
-  const rows = preview.excluded.map((one) => `run ${one.runId}: rows ${count(Number(one.firstRow) + 1)} to ${count(Number(one.lastRow) + 1)} are kept out of fits`);
+  const rows = preview.excluded.map((one) => `run ${one.runId}: rows ${count(one.firstRow)} to ${count(one.lastRow)} are kept out of fits`);
   const lines = [...preview.changes.slice(0, most).map(changeText), ...(preview.changes.length > most ? [`... and ${preview.changes.length - most} more`] : []), ...rows, ...preview.further];
   return lines.length === 0 ? <>no data: a model is fitted, <code>{preview.formula}</code></> : <ul class="plain-list">{lines.map((line) => <li>{line}</li>)}</ul>;
 }

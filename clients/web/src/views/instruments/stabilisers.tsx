@@ -33,25 +33,31 @@ export interface Stabiliser {
 
 const spoken = (id: string) => id.charAt(0).toUpperCase() + id.slice(1).replaceAll('-', ' ');
 
-// Seconds since which every reading is within the band about its set-point, as far as the window shows: a gap between two readings
-// ends it too. undefined: the last reading is outside, or there is none of late.
-export function settledFor(history: History, { device, now, set }: Stabiliser): number | undefined {
+// Since when every reading is within the band about its set-point, the smallest and the largest of each bucket too: a gap between two
+// readings ends it as well. atLeast: as far as the window shows. undefined: the last reading is outside, or there is none of late.
+export function settledFor(history: History, { device, now, set }: Stabiliser): { seconds: number; atLeast: boolean } | undefined {
   const track = history.of(now.name);
   const gapMs = Math.max(now.column.staleAfterS * 1000, 3000 * history.bucketS);
+  const inBand = (value: number | undefined) => value === undefined || !Number.isFinite(value) || Math.abs(value - set.value.value) <= settledK(device.id);
   let sinceMs = history.toMs;
+  let atLeast = true;
   for (let i = track.mean.length - 1; i >= 0; i--) {
     if (!Number.isFinite(track.mean[i])) continue;
-    if (sinceMs - track.atMs[i] > gapMs || !(Math.abs(track.mean[i] - set.value.value) <= settledK(device.id))) break;
+    if (sinceMs - track.atMs[i] > gapMs || ![track.mean[i], track.min?.[i], track.max?.[i]].every(inBand)) {
+      atLeast = false;
+      break;
+    }
     sinceMs = track.atMs[i];
   }
-  return sinceMs < history.toMs ? (history.toMs - sinceMs) / 1000 : undefined;
+  if (sinceMs === history.toMs) return undefined;
+  return { seconds: (history.toMs - sinceMs) / 1000, atLeast: atLeast && sinceMs - history.fromMs <= gapMs };
 }
 
-function Settled({ of: { device, now, set }, forS }: { of: Stabiliser; forS: number | undefined }) {
+function Settled({ of: { device, now, set }, since }: { of: Stabiliser; since: ReturnType<typeof settledFor> }) {
   const off = now.value.value - set.value.value;
   if (now.stale.value) return <Verdict kind="warn">not known: last read {Number.isFinite(now.ageS.value) ? `${duration(now.ageS.value)} ago` : 'never'}</Verdict>;
   if (!(Math.abs(off) <= settledK(device.id))) return <Verdict kind="warn">{signed(off * 1000, 0)} mK off</Verdict>;
-  return <Verdict kind="good">settled{forS !== undefined && ` for ${duration(forS)}`}</Verdict>;
+  return <Verdict kind="good">settled{since && ` for ${since.atLeast ? 'at least ' : ''}${duration(since.seconds)}`}</Verdict>;
 }
 
 function ChangeSetPoint({ of, done }: { of: Stabiliser; done: () => void }) {
@@ -120,7 +126,7 @@ export function StabiliserPanel({ of, history: latest }: { of: Stabiliser; histo
           <dt>set-point</dt><dd>{fixed(setPoint, 3)} °C</dd>
           {output && <><dt>{splitChannel(output.name).symbol.split('_').pop()}</dt><dd><LiveValue channel={output} />{output.column.max !== undefined && ` of ${fixed(output.column.max)} ${unitSign(output.column.unit)}`}</dd></>}
         </dl>
-        <Settled of={of} forS={settledFor(history, of)} />
+        <Settled of={of} since={settledFor(history, of)} />
         {changing ? <ChangeSetPoint of={of} done={() => setChanging(false)} /> : <CommandButton label={`Set-point… of ${device.id}: change it`} onPress={() => setChanging(true)}>Set-point…</CommandButton>}
         <details onToggle={(event) => setLooking(event.currentTarget.open)}><summary>Control loop</summary>{looking && <StabiliserLoop device={device.id} />}</details>
       </div>

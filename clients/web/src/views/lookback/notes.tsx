@@ -20,7 +20,6 @@ export function Notes() {
   const requestId = useMemo(() => crypto.randomUUID?.() ?? '', [text, at]); // a second press is the same remark
   const pin = useCommand(async () => {
     await lookBackApi().addTimeNote({ text, requestId, ...(atMs !== undefined && { noteTime: timestampOf(atMs) }) });
-    setText('');
     taken(), atTaken();
     asked.again();
   });

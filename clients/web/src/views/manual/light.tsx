@@ -1,7 +1,7 @@
 // Light level and spots of the optical instruments, live, with the most seen since the page was opened.
 import { useEffect, useState } from 'preact/hooks';
 import { fixed } from '@/format/numbers';
-import { splitChannel, unitSign } from '@/format/units';
+import { kindOf, splitChannel, unitSign } from '@/format/units';
 import { layout } from '@/live/channels';
 import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
@@ -10,8 +10,7 @@ import { Table } from '@/ui/table';
 import { StaleNote } from '@/ui/tile';
 
 const unitOf = (name: string) => unitSign(splitChannel(name).unit);
-const ofAxis = (name: string) => /^q\d/.test(name.slice(name.lastIndexOf('.') + 1)); // "mn.q1_mm": of the robot mn
-export const isOptical = (name: string) => name.includes('level_pct') || name.endsWith('_arcsec') || (name.endsWith('_mm') && !ofAxis(name));
+export const isOptical = (name: string) => name.includes('level_pct') || name.endsWith('_arcsec') || (name.endsWith('_mm') && kindOf(name) !== 'motor');
 const digitsOf = (name: string) => (name.endsWith('_mm') ? 6 : name.endsWith('_pct') ? 1 : 2);
 const sizeOf = (name: string, value: number) => (name.endsWith('_pct') ? value : Math.abs(value));
 

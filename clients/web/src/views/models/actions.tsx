@@ -17,17 +17,18 @@ export const affected = 'every controller and run that asks for targets, from it
 const served = (id: bigint | undefined) => servedText('model', id);
 
 // Questions of the moment when it is pressed, not of the page's load: a confirmation covers every question that the daemon has, so one
-// that came after the dialog was opened promotes nothing. Those for a reason are answered in writing, as `driftwise model promote
-// --reason` does.
+// that came after the dialog was opened promotes nothing; nor does one while another model serves than the dialog names. Those for a
+// reason are answered in writing, as `driftwise model promote --reason` does.
 export function Promote({ model, onDone }: { model: Model; onDone: () => void }) {
   const command = useCommand(async () => {
     const { promotionQuestions: questions, questionsForAReason: forReason } = await modelApi().getModel({ modelId: model.id });
+    const now = cell.value?.servingModelId;
     const reason = signal('');
     const off = computed(() => (forReason.length > 0 && reason.value.trim() === '' ? `${forReason[0]}: write why it serves all the same` : undefined));
     const yes = await confirm({
       title: `Promote model ${model.id}?`,
       facts: [
-        ['served now', served(cell.value?.servingModelId)],
+        ['served now', served(now)],
         ['from then on', `model ${model.id}`],
         ['accuracy (A90)', headingText(model)],
         ['who is affected', affected],
@@ -38,13 +39,13 @@ export function Promote({ model, onDone }: { model: Model; onDone: () => void })
       off,
       bad: questions.length > 0,
       verb: `Promote model ${model.id}${questions.length > 0 ? ' all the same' : ''}`,
-      keep: `Keep ${served(cell.value?.servingModelId)}`,
+      keep: `Keep ${served(now)}`,
     });
     if (!yes) return;
     const unread = (await modelApi().getModel({ modelId: model.id })).promotionQuestions.filter((question) => !questions.includes(question));
     if (unread.length > 0)
       throw new ConnectError(`model ${model.id} was not promoted: ${unread.join('; ')}. That was not so when you were asked; promote it again`, Code.FailedPrecondition);
-    await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0, reason: reason.value.trim() });
+    await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0, reason: reason.value.trim(), servingModelId: now ?? 0n });
     reasonTaken(`model ${model.id}`);
     onDone();
   });

@@ -3,14 +3,15 @@
 import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { Alarm_Level, Alarm_Priority, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
-import { dayClock, ms } from '@/format/time';
+import { ms } from '@/format/time';
 import { levelWords, standing } from '@/live/alarms';
+import { dayOrDate } from '@/live/state';
+import { AlarmSwitches } from '@/parts/alarm_switches';
 import { Button, CommandButton } from '@/ui/button';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { Verdict, type VerdictKind } from '@/ui/verdict';
 import { AcknowledgeAll } from './acknowledge_all';
-import { AlarmSwitches } from './alarm_switches';
 import { Shelve } from './shelve';
 
 const kinds: Record<Alarm_Level, VerdictKind> = {
@@ -30,9 +31,9 @@ function Words({ alarm }: { alarm: Alarm }) {
       <p>
         {alarm.message}{' '}
         <span class="muted">
-          since {dayClock(ms(alarm.sinceTime))}
-          {alarm.clearedTime && `, over since ${dayClock(ms(alarm.clearedTime))}`}
-          {alarm.shelvedUntilTime && `, shelved by ${alarm.shelvedBy} until ${dayClock(ms(alarm.shelvedUntilTime))}: ${alarm.shelveReason}`}
+          since {dayOrDate(ms(alarm.sinceTime))}
+          {alarm.clearedTime && `, over since ${dayOrDate(ms(alarm.clearedTime))}`}
+          {alarm.shelvedUntilTime && `, shelved by ${alarm.shelvedBy} until ${dayOrDate(ms(alarm.shelvedUntilTime))}: ${alarm.shelveReason}`}
           {alarm.acknowledgeTime ? `, seen by ${alarm.acknowledgedBy}` : ', not acknowledged'}
         </span>
       </p>
@@ -70,7 +71,7 @@ export function AlarmList() {
   const alarms = standing.value;
   const [all, setAll] = useState(false);
   const failed = alarms?.failure && <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
-  if (!alarms?.value?.length) return failed ?? null;
+  if (!alarms?.value?.length) return <>{failed}<AlarmSwitches /></>;
   const taken = (alarm: Alarm) => alarms.set((old) => old.map((one) => (one.id === alarm.id ? alarm : one)));
   const lasting = alarms.value.filter((alarm) => !alarm.clearedTime && !alarm.shelvedUntilTime);
   const shown = all ? alarms.value : alarms.value.slice(0, Math.max(linesShown, lasting.length));

@@ -2,9 +2,9 @@
 import { api } from '@/api/client';
 import { Run_State, type Run, type RunProgress } from '@/api/gen/driftwise/v1/run_pb';
 import { fixed } from '@/format/numbers';
-import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
+import { dateClock, duration, ms, secondsOf } from '@/format/time';
 import { connection } from '@/live/connection';
-import { cell, cellTimeMs } from '@/live/state';
+import { cell, cellTimeMs, dayOrDate } from '@/live/state';
 import { bandText, endBandText } from '@/trajectory/estimate';
 import { RunButtons } from '@/parts/run_buttons';
 import { doneShare, isOver, stateWords, troubles, whereItIs } from '@/parts/run_words';
@@ -27,7 +27,7 @@ function Ready({ progress }: { progress: RunProgress }) {
     return (
       <div class="ready" title="If it went on now: from the time that points have taken so far, computed by the daemon">
         <span class="muted">ready about, if it went on now</span>
-        <strong class="result">{dayClock(nowMs + remainingS * 1000)}</strong>
+        <strong class="result">{dayOrDate(nowMs + remainingS * 1000)}</strong>
         <span class="muted">{duration(remainingS / speed)} of measuring left{speed !== 1 && ' on the wall'}</span>
         {progress.remainingBand && <span class="muted">{bandText(progress.remainingBand)}</span>}
       </div>
@@ -37,7 +37,7 @@ function Ready({ progress }: { progress: RunProgress }) {
   return (
     <div class="ready" title="From what runs of this cell took and the rows of this one so far, computed by the daemon">
       <span class="muted">ready about</span>
-      <strong class="result">{dayClock(endMs)}</strong>
+      <strong class="result">{dayOrDate(endMs)}</strong>
       <span class="muted">in {duration(leftS < 120 ? leftS : Math.round(leftS / 60) * 60)}{speed !== 1 && ` on the wall, at ${fixed(speed, speed < 10 ? 1 : 0)} times speed`}</span>
       {progress.latestEndTime && <span class="muted">{endBandText(ms(progress.earliestEndTime), ms(progress.latestEndTime), progress.remainingBand?.share)}</span>}
     </div>

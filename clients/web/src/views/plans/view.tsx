@@ -3,6 +3,7 @@ import { useState } from 'preact/hooks';
 import type { CheckPlanResponse, ComputeJointTargetResponse, ListPlansResponse, Plan } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { fixed, signed } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
+import { useEvents } from '@/live/events';
 import { flagsInWords } from '@/parts/flag_words';
 import { rollBack } from '@/parts/served';
 import { CommandButton, Button } from '@/ui/button';
@@ -22,6 +23,7 @@ import { answeredBy, jointPoseTyped } from './words';
 
 export default function PlansView() {
   const asked = useAsked('plans', async (signal) => plansApi().listPlans({}, { signal }));
+  useEvents('record', (event) => event.what.startsWith('plan.') && asked.again());
   return (
     <>
       <ViewTitle sub="What a target of several robots, or of two models, is made of">Plans</ViewTitle>
@@ -70,8 +72,7 @@ function OnePlan({ id, serving, again }: { id: bigint; serving: bigint | undefin
     const questions = found.findings.filter((finding) => !finding.refuses).map((finding) => finding.message);
     if (found.findings.some((finding) => finding.refuses)) return;
     if (!(await confirm(promotionQuestion(id, serving, questions)))) return;
-    await plansApi().promotePlan({ planId: id, confirmed: questions.length > 0 });
-    again();
+    await plansApi().promotePlan({ planId: id, confirmed: questions.length > 0, servingPlanId: serving ?? 0n }).finally(again);
   });
   return (
     <Panel

@@ -55,6 +55,7 @@ export function AddEntry({ onAdded, startsAtOnce }: { onAdded: () => void; start
     });
     setRequestId(crypto.randomUUID());
     for (const taken of [nameTaken, notBeforeTaken, afterTaken, conditionTaken, everyTaken, thenTaken, metaTaken, priorityTaken]) taken();
+    setWhich(''), setSetup(''), setSetsAside(false);
     onAdded();
   });
   return (

@@ -2,12 +2,12 @@
 import './view.css';
 import { QueueEntry_State, type ListQueueResponse, type QueueEntry } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { count } from '@/format/numbers';
-import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
+import { dateClock, duration, ms, secondsOf } from '@/format/time';
 import { ReportButton } from '@/parts/report_button';
 import { bandText, endBandText } from '@/trajectory/estimate';
 import { serverTimeMs } from '@/live/connection';
 import { useEvents } from '@/live/events';
-import { progress } from '@/live/state';
+import { dayOrDate, progress } from '@/live/state';
 import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Panel } from '@/ui/panel';
@@ -34,7 +34,7 @@ const entryColumns: Column<QueueEntry>[] = [
 
 function Ends({ entry }: { entry: QueueEntry }) {
   if (entry.latestEndTime)
-    return <>{dayClock(ms(entry.estimatedEndTime))}<div class="muted">{endBandText(ms(entry.earliestEndTime), ms(entry.latestEndTime), entry.estimatedBand?.share)}</div></>;
+    return <>{dayOrDate(ms(entry.estimatedEndTime))}<div class="muted">{endBandText(ms(entry.earliestEndTime), ms(entry.latestEndTime), entry.estimatedBand?.share)}</div></>;
   if (!entry.estimatedDuration) return <>–</>;
   return <>takes {duration(secondsOf(entry.estimatedDuration))}<div class="muted">{bandText(entry.estimatedBand)}</div></>;
 }

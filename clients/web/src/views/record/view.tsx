@@ -2,6 +2,7 @@
 import { useMemo, useState } from 'preact/hooks';
 import type { Event } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { query, setQuery } from '@/app/router';
+import { namesAreProved } from '@/app/session';
 import { count } from '@/format/numbers';
 import { useEvents } from '@/live/events';
 import { eventsBefore, newestEventId } from '@/live/events_page';
@@ -49,7 +50,7 @@ export default function Record() {
   };
   return (
     <>
-      <ViewTitle sub="Everything that was changed, and what the daemon did by itself. Names are as typed, not verified.">Record</ViewTitle>
+      <ViewTitle sub={`Everything that was changed, and what the daemon did by itself. Names are ${namesAreProved() ? 'proved since a log-in is asked for' : 'as typed, not verified'}.`}>Record</ViewTitle>
       <Panel>
         <div class="filters">
           <Field label="Search" type="search" value={text} onInput={(q) => setQuery({ q })} />

@@ -33,7 +33,7 @@ function Form({ run, onState }: { run: Run; onState: (state: ExclusionState | un
       keep: 'Leave them as they are',
     });
     if (!yes || !(await change.send(out, ranges))) return;
-    rowsTaken(), reasonTaken(), setRows(''), setReason('');
+    rowsTaken(), reasonTaken();
   };
   const off = wrong ?? (reason.trim() === '' ? 'Say why first' : undefined);
   return (

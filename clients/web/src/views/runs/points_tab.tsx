@@ -6,7 +6,7 @@ import { Attempt_Verdict, PointSet, type Attempt, type Point, type Run } from '@
 import { query, setQuery } from '@/app/router';
 import { fixed, significant } from '@/format/numbers';
 import { ms, secondsOf } from '@/format/time';
-import { isAngle, liveDigits, splitChannel, unitSign } from '@/format/units';
+import { isAngle, kindOf, liveDigits, splitChannel, unitSign } from '@/format/units';
 import { usePointColumns, valueOf, type RunPoints } from '@/live/points';
 import { isImported, isOver, ruleOf } from '@/parts/run_words';
 import { spreadPlot } from '@/parts/spread_plot';
@@ -78,7 +78,7 @@ export function PointsTab({ run, rulesJson, points, chosen, onPick }: {
   const shown = useMemo(() => rows.filter(show[2]), [rows, show]);
   const scene = useMemo(() => sceneOfPoints(points), [points]);
   const channels = points.points[0]?.values.map((one) => one.channel) ?? [];
-  const pose = [...lengthsOf(channels), ...channels.filter((name) => /^r[xyz]_/.test(name) && isAngle(splitChannel(name).unit)).sort()];
+  const pose = [...lengthsOf(channels), ...channels.filter((name) => kindOf(name) === 'tilt' && isAngle(splitChannel(name).unit)).sort()];
   const timed = usePointColumns(points.points, ms(run.startTime));
   const limitNm = ruleOf(rulesJson, 'max_spread_nm');
   const imported = isImported(run);

@@ -1,12 +1,12 @@
 // The measured poses of a run as a 3-D picture, coloured by spread; undefined where there are fewer than two lengths.
 import { PointSet } from '@/api/gen/driftwise/v1/run_pb';
-import { mmFrom, splitChannel } from '@/format/units';
+import { mmFrom, ofOneRobot, splitChannel } from '@/format/units';
 import { valueOf, type RunPoints } from '@/live/points';
 import { lengthsOf } from '@/parts/zero_plot';
 import type { Axis, PoseScene } from '@/poses/pose';
 
 export function sceneOfPoints({ points, attempts }: RunPoints): PoseScene | undefined {
-  const lengths = lengthsOf(points[0]?.values.map((one) => one.channel) ?? []).slice(0, 3);
+  const lengths = ofOneRobot(lengthsOf(points[0]?.values.map((one) => one.channel) ?? [])).slice(0, 3);
   if (lengths.length < 2 || points.length === 0) return undefined;
   const spread = new Map(attempts.filter((one) => one.spreadNm !== undefined).map((one) => [Number(one.row), one.spreadNm!]));
   const at = lengths.map((channel) => points.map((point) => mmFrom(valueOf(point, channel), splitChannel(channel).unit)));

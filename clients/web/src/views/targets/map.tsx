@@ -16,15 +16,17 @@ import { SymbolChoice } from '@/ui/choice';
 import { MapLegend } from './map_legend';
 import { mapCsv, mapOf, paintMap, placeOnMap, type MapPicture } from './map_picture';
 import type { Pose, PoseField } from './pose';
+import type { ComputedBy } from './use_target';
 
 const countPerAxis = 41;
 const room = 0.08; // of the domain, shown around it so that its edge is seen
 
-export function CorrectionMap({ fields, pose, outputs, conditions }: {
+export function CorrectionMap({ fields, pose, outputs, conditions, by }: {
   fields: readonly PoseField[];
   pose: Pose;
   outputs: readonly string[];
   conditions: Timestamp | undefined;
+  by: ComputedBy;
 }) {
   const lengths = fields.filter((field) => field.unit === 'mm');
   const planes = lengths.flatMap((a, i) => lengths.slice(i + 1).map((b) => `${a.symbol}–${b.symbol}`));
@@ -36,16 +38,17 @@ export function CorrectionMap({ fields, pose, outputs, conditions }: {
   // Temperatures move slowly: a map once in five minutes of the cell, and for every other pose or plane.
   const age = Math.floor((ms(conditions) ?? 0) / 300_000);
   const rest = pose.filter((one) => one.channel !== h?.channel && one.channel !== v?.channel);
-  const asked = useAsked(h && v && `map ${plane} ${rest.map((one) => one.value).join()} ${age}`, (signal) => {
+  const computedBy = `${by.modelId} ${by.datum}`;
+  const asked = useAsked(h && v && `map ${computedBy} ${plane} ${rest.map((one) => one.value).join()} ${age}`, (signal) => {
     const axis = (field: PoseField) => {
       const wide = (field.max - field.min) * room;
       return { channel: field.channel, from: field.min - wide, to: field.max + wide, count: countPerAxis };
     };
     return targetApi().mapTargets({ horizontal: axis(h!), vertical: axis(v!), pose: [...rest] }, { signal });
   });
-  const last = useRef<typeof asked.value>(undefined);
-  if (asked.value) last.current = asked.value;
-  const answer = asked.value ?? (asked.failure ? undefined : last.current);
+  const last = useRef<{ computedBy: string; value: NonNullable<typeof asked.value> }>(undefined);
+  if (asked.value) last.current = { computedBy, value: asked.value };
+  const answer = asked.value ?? (asked.failure || last.current?.computedBy !== computedBy ? undefined : last.current.value);
   const picture = useMemo(() => answer && mapOf(answer, outputs[symbols.indexOf(output)], what), [answer, output, what]);
   if (!plane) return <Panel title="Over the workspace"><p class="muted">The model depends on one length only: there is no plane to show.</p></Panel>;
   return (

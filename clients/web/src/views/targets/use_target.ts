@@ -16,15 +16,21 @@ export interface HistoryRow {
 export interface TargetState {
   target?: Target;
   failure?: Failure;
-  history: readonly HistoryRow[]; // oldest first, at most an hour of cell time, of this pose only
+  history: readonly HistoryRow[]; // oldest first, at most an hour of cell time, of this pose, model and zero only
 }
 
 const everyMs = 1000;
 const hourMs = 3_600_000;
 
+// What a correction is computed by, beside the pose: another model, or another zero, gives another one.
+export interface ComputedBy {
+  modelId: bigint;
+  datum: string; // changes when the model's constant does
+}
+
 // Of an empty pose nothing is asked.
-export function useTarget(pose: Pose): TargetState {
-  const key = pose.map((one) => `${one.channel}=${one.value}`).join(' ');
+export function useTarget(pose: Pose, { modelId, datum }: ComputedBy): TargetState {
+  const key = pose.length === 0 ? '' : [modelId, datum, ...pose.map((one) => `${one.channel}=${one.value}`)].join(' ');
   const [state, setState] = useState<TargetState & { key: string }>({ key, history: [] });
   const latest = useRef(pose);
   latest.current = pose;
@@ -36,7 +42,7 @@ export function useTarget(pose: Pose): TargetState {
       if (!document.hidden) {
         try {
           const { target } = await targetApi().computeTarget({ pose: [...latest.current], withBudget: true, showUnreachable: true }, { signal: abort.signal });
-          if (target && !abort.signal.aborted) setState((old) => taken(old.key === key ? old.history : [], target, key));
+          if (target && !abort.signal.aborted) setState((old) => taken(old.key === key ? old.history : [], target, key, modelId));
         } catch (error) {
           if (abort.signal.aborted || wasCancelled(error)) return;
           setState((old) => ({ key, failure: failureOf(error), history: old.key === key ? old.history : [] }));
@@ -45,7 +51,7 @@ export function useTarget(pose: Pose): TargetState {
       if (!abort.signal.aborted) timer = setTimeout(ask, everyMs);
     };
     void ask();
-    theHourBefore(latest.current, abort.signal).then(
+    theHourBefore(latest.current, modelId, abort.signal).then(
       (before) => setState((old) => (old.key === key ? { ...old, history: joined(before, old.history) } : { key, history: before })),
       () => undefined, // the target itself says what is wrong; the picture then begins now
     );
@@ -57,18 +63,19 @@ export function useTarget(pose: Pose): TargetState {
   return state.key === key ? state : { history: [] };
 }
 
-async function theHourBefore(pose: Pose, signal: AbortSignal): Promise<readonly HistoryRow[]> {
-  const { times, tracks } = await targetApi().listPastTargets({ pose: [...pose] }, { signal });
+async function theHourBefore(pose: Pose, modelId: bigint, signal: AbortSignal): Promise<readonly HistoryRow[]> {
+  const { times, tracks, modelId: by } = await targetApi().listPastTargets({ pose: [...pose] }, { signal });
+  if (by !== modelId) return []; // another one began to serve: it is asked anew with that
   return times.map((time, i) => ({ atMs: ms(time) ?? 0, correctionNm: tracks.map((track) => track.correctionNm[i]) }));
 }
 
 // What was before goes before what was seen since.
 const joined = (before: readonly HistoryRow[], since: readonly HistoryRow[]) => [...before.filter((row) => !since[0] || row.atMs < since[0].atMs), ...since];
 
-function taken(history: readonly HistoryRow[], target: Target, key: string) {
+function taken(history: readonly HistoryRow[], target: Target, key: string, modelId: bigint) {
   const atMs = ms(target.conditionsTime) ?? 0;
   const row = { atMs, correctionNm: target.coordinates.map((one) => one.correctionNm ?? NaN) };
   const last = history.at(-1);
-  const kept = last && last.atMs >= atMs ? history : [...history.filter((one) => one.atMs > atMs - hourMs), row];
+  const kept = target.modelId !== modelId || (last && last.atMs >= atMs) ? history : [...history.filter((one) => one.atMs > atMs - hourMs), row];
   return { key, target, history: kept };
 }

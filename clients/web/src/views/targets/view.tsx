@@ -28,22 +28,25 @@ export default function Targets() {
     return servingModelId === undefined ? null : ((await modelApi().getModel({ modelId: servingModelId }, { signal })).model ?? null);
   });
   useEvents('model', () => asked.again());
+  const [datum, setDatum] = useState('');
+  useEvents('record', (event) => event.what === 'datum.opened' && setDatum(String(event.id)));
   const model = asked.value;
   return (
     <>
       <ViewTitle sub={model ? <>by <a href={`/models/${model.id}`}>model {String(model.id)}</a>, <code>{model.formula}</code></> : undefined}>Targets</ViewTitle>
       {asked.failure && <Failed asked="Find the model that serves" failure={asked.failure} again={asked.again} />}
       {model === null && <Empty next={<><a href="/models">Promote a model</a>, or ask for a <a href="/plans">joint target</a> of a serving plan</>}>No model serves, so there are no targets{cell.value ? ` in cell ${cell.value.cellName}` : ''}.</Empty>}
-      {model ? <Served model={model} /> : model === undefined && !asked.failure && <Awaiting what="the model that serves" />}
+      {model ? <Served model={model} datum={datum} /> : model === undefined && !asked.failure && <Awaiting what="the model that serves" />}
     </>
   );
 }
 
-function Served({ model }: { model: Model }) {
+function Served({ model, datum }: { model: Model; datum: string }) {
   const fields = fieldsOf(model.domain);
   const [typed, setTyped] = useState<Typed>({});
   const pose = poseOf(fields, typed);
-  const target = useTarget(pose);
+  const by = { modelId: model.id, datum };
+  const target = useTarget(pose, by);
   const unread = unreadOf(fields, typed);
   const form = <PoseForm fields={fields} typed={typed} type={(symbol, text) => setTyped((old) => ({ ...old, [symbol]: text }))} />;
   if (unread.length > 0) {
@@ -53,7 +56,7 @@ function Served({ model }: { model: Model }) {
         <Panel title="Motor coordinates">
           {unread.map((field) => <Verdict key={field.channel} kind="bad">no target: {field.symbol} is not read, {numberWanted(field)}</Verdict>)}
         </Panel>
-        <Where pose={pose} />
+        <Where pose={pose} by={by} />
       </>
     );
   }
@@ -66,9 +69,9 @@ function Served({ model }: { model: Model }) {
           {target.target && <Panel title="What the correction is made of"><Parts coordinates={target.target.coordinates} /></Panel>}
           <Live history={target.history} outputs={model.outputs.map((output) => output.channel)} />
         </div>
-        <CorrectionMap fields={fields} pose={pose} outputs={model.outputs.map((output) => output.channel)} conditions={target.target?.conditionsTime} />
+        <CorrectionMap fields={fields} pose={pose} outputs={model.outputs.map((output) => output.channel)} conditions={target.target?.conditionsTime} by={by} />
       </div>
-      <Where pose={pose} />
+      <Where pose={pose} by={by} />
       {target.target && <Panel title="What the uncertainty is made of"><BudgetTable coordinates={target.target.coordinates} /></Panel>}
     </>
   );

@@ -11,11 +11,12 @@ import { useAsked } from '@/ui/use_asked';
 import { useWhile } from '@/ui/use_while';
 import { Verdict } from '@/ui/verdict';
 import type { Pose } from './pose';
+import type { ComputedBy } from './use_target';
 
 // pose: as it was typed. Its force is taken where no device of the cell reads one, and nobody stated one.
-export function Where({ pose }: { pose: Pose }) {
+export function Where({ pose, by }: { pose: Pose; by: ComputedBy }) {
   const force = pose.find((one) => one.channel === 'force_N');
-  const asked = useAsked('pose', (signal) => estimate(force, signal));
+  const asked = useAsked(`pose ${by.modelId} ${by.datum}`, (signal) => estimate(force, signal));
   useWhile(true, asked);
   return (
     <Panel title="Where the end-effector is now">

@@ -4,7 +4,7 @@ import { api } from '@/api/client';
 import type { CheckTrajectoryResponse } from '@/api/gen/driftwise/v1/run_service_pb';
 import { count, fixed } from '@/format/numbers';
 import { duration, secondsOf } from '@/format/time';
-import { splitChannel } from '@/format/units';
+import { kindOf, splitChannel } from '@/format/units';
 import { Plot } from '@/plot/plot';
 import { Poses } from '@/poses/poses';
 import { Panel } from '@/ui/panel';
@@ -54,7 +54,7 @@ function Facts({ check, rows, limits }: { check: CheckTrajectoryResponse; rows: 
         <dl class="facts">
           <dt>points</dt><dd>{count(check.rowCount)}: {count(check.calibrationCount)} calibration, {count(check.validationCount)} validation; {count(check.zeroCount)} of them returns to zero</dd>
           <dt>lines</dt><dd>{count(check.lineCount)}</dd>
-          <dt>coordinates</dt><dd>{check.coordinates.map((channel) => splitChannel(channel).symbol).join(', ')}, {check.coordinates[0]?.startsWith('q') ? 'motor coordinates' : 'wanted poses'}</dd>
+          <dt>coordinates</dt><dd>{check.coordinates.map((channel) => splitChannel(channel).symbol).join(', ')}, {kindOf(check.coordinates[0] ?? '') === 'motor' ? 'motor coordinates' : 'wanted poses'}</dd>
           <dt>takes about</dt><dd>{duration(seconds)}{check.estimatedBand && ` (${bandText(check.estimatedBand)})`}{estimatedEnd(seconds) && `; begun now, ready ${estimatedEnd(seconds)}`}</dd>
           {forces && (<><dt>forces</dt><dd>{forces}; {limits?.actuator ? 'the load actuator changes them' : 'a person hangs the weights: the run waits'}</dd></>)}
         </dl>
