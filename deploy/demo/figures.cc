@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "server/core/cell_time.h"
+#include "server/core/data/row_marks.h"
 #include "server/formats/csv/dataset_csv.h"
 
 namespace driftwise::demo {
@@ -25,6 +26,7 @@ nlohmann::json read_json(const std::string& path) { return nlohmann::json::parse
 Dataset read_dataset(const std::string& path) {
   auto data = formats::read_dataset_csv(read_file(path), path);
   if (!data) throw std::runtime_error(data.error().message);
+  leave_passages_out(*data);
   return std::move(*data);
 }
 

@@ -16,6 +16,7 @@ namespace driftwise::demo {
 
 std::string read_file(const std::string& path);  // throws std::runtime_error
 nlohmann::json read_json(const std::string& path);
+// Without its passages: a report counts points.
 Dataset read_dataset(const std::string& path);
 
 // A number of a JSON object; NaN where there is none.

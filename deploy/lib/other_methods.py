@@ -20,7 +20,8 @@ def read(path):
     inputs, outputs, validation = [], [], []
     for row in rows[1:]:
         cells = [row[name[c]] for c in ("x_mm", "y_mm", "z_mm", "q1_mm", "q2_mm", "q3_mm")]
-        if "" in cells or ("excluded" in name and row[name["excluded"]] == "1"):
+        marks = [row[name[mark]] for mark in ("excluded", "suspect", "passage") if mark in name]
+        if "" in cells or "1" in marks:
             continue
         values = [float(cell) for cell in cells]
         inputs.append(values[:3])

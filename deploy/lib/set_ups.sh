@@ -1,7 +1,13 @@
 # Shared by the demos of cells with set-ups: runs, joins, the touch probe rectified. Sourced after cell.sh.
 
+# of_plan FILE: a dataset without its rows `passage`: places beside the plan, which are no points (docs/formats.md)
+of_plan() {
+  awk -F, '/^#/ { print; next } !head { head = 1; for (i = 1; i <= NF; i++) if ($i == "passage") at = i; print; next }
+    !(at && $at == 1)' "$1"
+}
+
 # column NAME FILE: values of a column of a dataset, one a line
-column() { awk -F, -v name="$1" '/^#/ { next } !at { for (i = 1; i <= NF; i++) if ($i == name) at = i; next } { print $at }' "$2"; }
+column() { of_plan "$2" | awk -F, -v name="$1" '/^#/ { next } !at { for (i = 1; i <= NF; i++) if ($i == name) at = i; next } { print $at }'; }
 
 # measured NAME TRAJECTORY SETUP [options of run start]: a run, exported as NAME.csv. Sets run to its number.
 measured() {
@@ -53,7 +59,7 @@ promoted() {
 
 # by_row COLUMN FILE: "line and commanded coordinates,value" of every point, sorted: a row that was visited again stands elsewhere in the file
 by_row() {
-  grep -v '^#' "$2" | awk -F, -v wanted="$1" '
+  of_plan "$2" | grep -v '^#' | awk -F, -v wanted="$1" '
     NR == 1 { for (i = 1; i <= NF; ++i) { if ($i == wanted) value = i; if ($i == "line" || $i ~ /_cmd_mm$/) key[i] } next }
     { row = ""; for (i = 1; i <= NF; ++i) if (i in key) row = row $i ";"; print row "," $value }' | LC_ALL=C sort
 }

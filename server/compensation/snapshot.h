@@ -62,6 +62,11 @@ enum class UncertaintySource : std::uint8_t {
 constexpr std::size_t kUncertaintySources = 12;
 std::string_view to_string(UncertaintySource source);
 
+// The fitted range is that of measured poses and temperatures, so a wanted 4 mm may stand a few
+// nanometres outside a measured 3.9999 mm: this share of the range is still called inside, on each
+// side, by the daemon and by an exported model.
+constexpr double kDomainSlack = 0.005;
+
 // Distance of a value from a domain, in half widths of it; 0 inside. A domain without width: 1.
 double excess_of(double min, double max, double value);
 

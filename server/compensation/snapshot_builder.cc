@@ -6,6 +6,7 @@
 
 #include "server/calibration/model/model_units.h"
 #include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
 
@@ -16,9 +17,6 @@ tl::unexpected<Error> not_servable(const std::string& reason, const std::string&
   return fail(ErrorCode::failed_precondition, reason, message);
 }
 
-// The fitted range is that of measured poses and temperatures, so a wanted 4 mm may stand a few
-// nanometres outside a measured 3.9999 mm: half a percent of the range is still called inside.
-constexpr double kDomainSlack = 0.005;
 calibration::ChannelRange widened(calibration::ChannelRange range) {
   const double slack = kDomainSlack * (range.max - range.min);
   return {range.channel, range.min - slack, range.max + slack};
@@ -39,6 +37,28 @@ std::optional<std::pair<double, double>> travel_of(const Channel& channel,
           is_angle(axis.channel.unit) == is_angle(channel.unit) && axis.min_mm < axis.max_mm)
         return std::pair(axis.min_mm, axis.max_mm);
   return std::nullopt;
+}
+
+// Targets of an arm have its geometry alone, which then has to be all of the model in its first
+// datum.
+Result<void> check_geometry_alone(const calibration::Model& model) {
+  for (const auto& output : model.outputs)
+    for (std::size_t k = 0; k < output.terms.size(); ++k) {
+      const auto& term = output.terms[k];
+      const double coefficient = output.coefficients[static_cast<Eigen::Index>(k)];
+      if (effects::datum_of(term) || (term.is_constant() && coefficient == 0)) continue;
+      const bool constant = term.is_constant();
+      return not_servable(
+          reasons::kTermNotServable,
+          (constant ? "a constant of " + digits_text(coefficient, 6) + " " + output.channel.unit
+                    : "term " + effects::notation(term)) +
+              " of " + output.channel.symbol +
+              " stands beside the geometry of an arm, whose targets have the geometry alone" +
+              (constant ? " and would be off by it: identify it again, which puts the geometry "
+                          "into the first datum of the rows (without --model)"
+                        : ": identify it without --model, or its joints with --joint-errors"));
+    }
+  return {};
 }
 
 }  // namespace
@@ -112,15 +132,7 @@ Result<void> SnapshotBuilder::add_geometry() {
     return not_servable(reasons::kNotAMotorModel,
                         "the model is a robot's geometry: it predicts no motion of another");
   DRIFTWISE_TRY(law_, make_geometry_law(model_));
-  if (law_->absolute())
-    for (const auto& output : model_.outputs)
-      for (const auto& term : output.terms)
-        if (!term.is_constant() && !effects::datum_of(term))
-          return not_servable(reasons::kTermNotServable,
-                              "term " + effects::notation(term) + " of " + output.channel.symbol +
-                                  " stands beside the geometry of an arm, whose targets have the "
-                                  "geometry alone: identify it without --model, or its joints "
-                                  "with --joint-errors");
+  if (law_->absolute()) DRIFTWISE_RETURN_IF_ERROR(check_geometry_alone(model_));
   for (const Variable variable : law_->needs())
     DRIFTWISE_RETURN_IF_ERROR(add_fast_input(channel_of(variable), range_of(channel_of(variable))));
   for (const auto& channel : law_->temperatures()) slow_.add_channel(channel);

@@ -36,10 +36,10 @@ class SnapshotBuilder {
   // The cell gives the serving rules and every declared uncertainty (declared_errors.h). Errors,
   // failed_precondition: NOT_A_MOTOR_MODEL (an output that is no motor coordinate in a length
   // unit), TERM_NOT_SERVABLE (a term that reads a motor coordinate, an effect that reads the wanted
-  // pose), NO_DOMAIN (a channel without its fitted range), MODEL_TOO_LARGE (kMaxBasis, kMaxInputs,
-  // kMaxOutputs).
-  // Of coordinates: an angle's arcsec stands wherever mm is written, in the snapshot and in its
-  // targets, and 1e-6 arcsec wherever nm is. They have no soft limits.
+  // pose, terms or a constant beside an arm's geometry), NO_DOMAIN (a channel without its fitted
+  // range), MODEL_TOO_LARGE (kMaxBasis, kMaxInputs, kMaxOutputs). Of coordinates: an angle's arcsec
+  // stands wherever mm is written, in the snapshot and in its targets, and 1e-6 arcsec wherever nm
+  // is. They have no soft limits.
   static Result<SnapshotBuilder> create(calibration::Model model, ModelId id,
                                         const CellDescription& cell, Gives gives = Gives::motors);
 

@@ -71,9 +71,9 @@ void refuse(Target& target, Refusal refusal) {
   target.u_nm.fill(kNan);
 }
 
-// The fast inputs stand first. Sets the outside bits, and returns the largest excess of all inputs,
-// at the pose and at the datum's zero: a target is the difference of the model between the two, and
-// no better known than its worse end.
+// The fast inputs stand first. Sets the outside bits, and returns the largest excess of all inputs
+// but the motors, at the pose and at the datum's zero: a target is the difference of the model
+// between the two, and no better known than its worse end.
 double look_at_domain(const Snapshot& snapshot, const TargetRequest& request, Target& target) {
   double largest = std::max(snapshot.slow_excess, snapshot.zero_excess);
   target.outside = snapshot.outside;
@@ -86,14 +86,19 @@ double look_at_domain(const Snapshot& snapshot, const TargetRequest& request, Ta
   return largest;
 }
 
-// Motor coordinates outside the range that they were calibrated in.
-void judge_motors(const Snapshot& snapshot, Target& target) {
-  for (std::size_t i = 0; i < snapshot.inputs.size(); ++i)
-    if (const auto& input = snapshot.inputs[i];
-        input.output && excess(input, target.q_mm[*input.output]) > 0) {
-      target.outside |= std::uint64_t{1} << i;
-      target.flags |= kOutsideDomain;
-    }
+// Largest excess of the motor coordinates over the ranges that they were calibrated in; sets bits
+// and flag.
+double look_at_motors(const Snapshot& snapshot, Target& target) {
+  double largest = 0;
+  for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
+    const auto& input = snapshot.inputs[i];
+    const double out = input.output ? excess(input, target.q_mm[*input.output]) : 0;
+    if (!(out > 0)) continue;
+    target.outside |= std::uint64_t{1} << i;
+    target.flags |= kOutsideDomain;
+    largest = std::max(largest, out);
+  }
+  return largest;
 }
 
 // What cannot be computed at all.
@@ -128,6 +133,27 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
   if (snapshot.doubtful) target.flags |= kDoubtfulModel;
   target.ignored = request.given & ~snapshot.needed;
   if (target.ignored) target.flags |= kIgnoredCoordinate;
+}
+
+// Motor coordinates of geometry and terms together; law: what the geometry says of them.
+Refusal find_motors(const Snapshot& snapshot, const TargetRequest& request, PoseTerms& terms,
+                    bool with_uncertainty, LawAnswer& law, Target& target) {
+  if (snapshot.geometry) {
+    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, with_uncertainty);
+    if (!answer) {
+      target.why = std::make_shared<const Error>(std::move(answer.error()));
+      return Refusal::no_pose;
+    }
+    law = std::move(*answer);
+  }
+  const double* const b = terms.basis(snapshot, request.value).b.data();
+  for (std::size_t i = 0; i < target.outputs; ++i) {
+    double q_mm = dot(snapshot.outputs[i].coefficients_mm.data(), b, snapshot.basis_size());
+    if (snapshot.geometry) q_mm += law.motors[static_cast<Eigen::Index>(i)];
+    target.q_mm[i] = q_mm;
+    if (!std::isfinite(q_mm)) return Refusal::outside_domain;
+  }
+  return Refusal::none;
 }
 
 // Soft limits are compared with the coordinate as computed. It is never clamped.
@@ -233,53 +259,40 @@ void compute_target(const Snapshot& snapshot, const TargetRequest& request, Pose
   target.valid_until = snapshot.valid_until;
   if (const Refusal refusal = look_at_request(snapshot, request, target); refusal != Refusal::none)
     return refuse(target, refusal);
-  const double largest_excess = look_at_domain(snapshot, request, target);
+  double largest_excess = look_at_domain(snapshot, request, target);
   set_flags(snapshot, request, target);
-  if (snapshot.refuse_outside_domain && (target.outside | snapshot.zero_outside))
-    return refuse(target, Refusal::outside_domain);
+  const auto is_refused_outside = [&] {
+    return snapshot.refuse_outside_domain && (target.outside | snapshot.zero_outside) != 0;
+  };
+  if (is_refused_outside()) return refuse(target, Refusal::outside_domain);
   if (snapshot.refuse_stale &&
       (target.flags & (kStaleTemperature | kMissingTemperature | kExpiredConditions)))
     return refuse(target, Refusal::stale);
-
   LawAnswer law;
-  if (snapshot.geometry) {
-    auto answer =
-        snapshot.geometry->law->motors_of(request, *snapshot.geometry, request.with_uncertainty);
-    if (!answer) {
-      target.why = std::make_shared<const Error>(std::move(answer.error()));
-      return refuse(target, Refusal::no_pose);
-    }
-    law = std::move(*answer);
-  }
+  const Refusal lost = find_motors(snapshot, request, terms, request.with_uncertainty, law, target);
+  if (lost != Refusal::none) return refuse(target, lost);
+  largest_excess = std::max(largest_excess, look_at_motors(snapshot, target));
+  if (is_refused_outside()) return refuse(target, Refusal::outside_domain);
   const bool with_uncertainty = request.with_uncertainty && !snapshot.unjudged;
   const Basis& basis = terms.basis(snapshot, request.value);
-  const double* const b = basis.b.data();
-  const std::size_t size = snapshot.basis_size();
   const double factor = extrapolation_factor(largest_excess);
   for (std::size_t i = 0; i < target.outputs; ++i) {
     const auto& output = snapshot.outputs[i];
-    double q_mm = dot(output.coefficients_mm.data(), b, size), u_nm = kNan;
-    if (snapshot.geometry) q_mm += law.motors[static_cast<Eigen::Index>(i)];
-    if (with_uncertainty) {
-      const Variance of_terms = whole_variance(snapshot, output, basis, terms);
-      if (!of_terms.known) {
-        target.why =
-            std::make_shared<const Error>(lost_digits(snapshot, output, of_terms.form_nm2));
-        return refuse(target, Refusal::no_pose);
-      }
-      double nm2 = of_terms.nm2;
-      if (snapshot.geometry)
-        for (const auto& line : output.lines) nm2 += systematic_nm2(snapshot, law, i, line, basis);
-      u_nm = std::sqrt(std::max(0.0, nm2) + share_nm2(law.fit, i) + share_nm2(law.residual, i) +
-                       share_nm2(law.temperatures, i)) *
-             factor;
+    target.u_nm[i] = kNan;
+    if (!with_uncertainty) continue;
+    const Variance of_terms = whole_variance(snapshot, output, basis, terms);
+    if (!of_terms.known) {
+      target.why = std::make_shared<const Error>(lost_digits(snapshot, output, of_terms.form_nm2));
+      return refuse(target, Refusal::no_pose);
     }
-    target.q_mm[i] = q_mm;
-    target.u_nm[i] = u_nm;
-    if (!std::isfinite(q_mm) || (with_uncertainty && !std::isfinite(u_nm)))
-      return refuse(target, Refusal::outside_domain);
+    double nm2 = of_terms.nm2;
+    if (snapshot.geometry)
+      for (const auto& line : output.lines) nm2 += systematic_nm2(snapshot, law, i, line, basis);
+    target.u_nm[i] = std::sqrt(std::max(0.0, nm2) + share_nm2(law.fit, i) +
+                               share_nm2(law.residual, i) + share_nm2(law.temperatures, i)) *
+                     factor;
+    if (!std::isfinite(target.u_nm[i])) return refuse(target, Refusal::outside_domain);
   }
-  if (snapshot.geometry) judge_motors(snapshot, target);
   hold_to_limits(snapshot, request, target);
 }
 
@@ -292,15 +305,16 @@ struct Answered {
 };
 
 // Nothing: the request has no answer.
-std::optional<Answered> answered(const Snapshot& snapshot, const TargetRequest& request) {
+std::optional<Answered> answered(const Snapshot& snapshot, const TargetRequest& request,
+                                 PoseTerms& terms) {
   Target target;
+  target.outputs = snapshot.outputs.size();
   if (look_at_request(snapshot, request, target) != Refusal::none) return std::nullopt;
-  Answered result{extrapolation_factor(look_at_domain(snapshot, request, target)), {}};
-  if (snapshot.geometry) {
-    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, true);
-    if (!answer) return std::nullopt;
-    result.law = std::move(*answer);
-  }
+  const double of_request = look_at_domain(snapshot, request, target);
+  Answered result;
+  if (find_motors(snapshot, request, terms, true, result.law, target) != Refusal::none)
+    return std::nullopt;
+  result.factor = extrapolation_factor(std::max(of_request, look_at_motors(snapshot, target)));
   return result;
 }
 
@@ -309,14 +323,14 @@ std::optional<Answered> answered(const Snapshot& snapshot, const TargetRequest& 
 Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
                       std::size_t output) noexcept {
   Budget budget;
-  const auto about = answered(snapshot, request);
+  PoseTerms terms;
+  const auto about = answered(snapshot, request, terms);
   if (!about || output >= snapshot.outputs.size() || (snapshot.geometry && snapshot.unjudged)) {
     budget.u_nm = kNan;
     return budget;
   }
   const double factor = about->factor;
   const LawAnswer& law = about->law;
-  PoseTerms terms;
   const Basis& basis = terms.basis(snapshot, request.value);
   if (!whole_variance(snapshot, snapshot.outputs[output], basis, terms).known) {
     budget.u_nm = kNan;
@@ -346,11 +360,11 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 
 ErrorParts error_parts(const Snapshot& snapshot, const TargetRequest& request) {
   ErrorParts parts;
-  const auto about = answered(snapshot, request);
+  PoseTerms terms;
+  const auto about = answered(snapshot, request, terms);
   if (!about) return parts;
   parts.factor = about->factor;
   const LawAnswer& law = about->law;
-  PoseTerms terms;
   const Basis& basis = terms.basis(snapshot, request.value);
   const double* const squares = terms.squares(snapshot);
   const std::size_t outputs = snapshot.outputs.size(), size = snapshot.basis_size();

@@ -214,6 +214,7 @@ inline constexpr Reason kLoadSlow{"LOAD_SLOW", Recovery::by_code};
 inline constexpr Reason kLockHeld{"LOCK_HELD", Recovery::by_code};
 inline constexpr Reason kLongLine{"LONG_LINE", Recovery::by_code};
 inline constexpr Reason kLowLevel{"LOW_LEVEL", Recovery::by_code};
+inline constexpr Reason kMetadataDisagree{"METADATA_DISAGREE", Recovery::by_code};
 inline constexpr Reason kMissingCoordinate{"MISSING_COORDINATE", Recovery::fail};
 inline constexpr Reason kMissingForce{"MISSING_FORCE", Recovery::by_code};
 inline constexpr Reason kMissingKey{"MISSING_KEY", Recovery::by_code};

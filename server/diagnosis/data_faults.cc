@@ -28,9 +28,11 @@ constexpr double kMostFreedom = 6;  // of tails that are worth it: a sixth of th
 
 void DataFaults::note_sensors(const std::vector<FaultySensor>& sensors) {
   for (const auto& sensor : sensors) {
+    const std::size_t first = sensor.rows.front();
+    const std::string said = sentence(sensor, options_.name_of_row(first));
     // One or two wrong readings are left out and said; they explain nothing.
     if ((sensor.fault == SensorFault::spiked && sensor.rows.size() < 3) || !sensor.named) {
-      result_.warnings.push_back(sentence(sensor));
+      result_.warnings.push_back(said);
       continue;
     }
     Finding finding{.cause = "sensor_fault",
@@ -39,9 +41,9 @@ void DataFaults::note_sensors(const std::vector<FaultySensor>& sensors) {
                     .applies_to = effects::AppliesTo::dataset,
                     .rows = sensor.rows,
                     .p_adjusted = std::max(sensor.p, kSmallestP),
-                    .sentence = sentence(sensor)};
+                    .sentence = said};
     if (!dataset_.time_s.empty())
-      finding.parameters.push_back({"time_s", dataset_.time_s[sensor.rows.front()], {}, {}});
+      finding.parameters.push_back({"time_s", dataset_.time_s[first], {}, {}});
     result_.findings.push_back(std::move(finding));
   }
 }

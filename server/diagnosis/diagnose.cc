@@ -463,7 +463,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   // are unseen.
   const auto judging = options.simulated.size() > 0 ? Judging::apart : Judging::in_turn;
   DRIFTWISE_TRY(auto problem,
-                lay_out_on_path(mended, asked.baseline, kMostSearched, judging, whole.sentences));
+                lay_out_on_path(mended, asked, kMostSearched, judging, whole.sentences));
   if (options.simulated.size() > 0)
     for (std::size_t o = 0; o < problem.outputs.size(); ++o)
       problem.outputs[o].measured -=

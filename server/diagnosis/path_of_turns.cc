@@ -107,8 +107,8 @@ double two_ln_likelihood(const Problem& problem, const Places& places,
   return most.sum();
 }
 
-std::string overruns_sentence(const std::vector<std::size_t>& rows) {
-  return std::to_string(rows.size()) + " rows (the first is row " + std::to_string(rows[0] + 1) +
+std::string overruns_sentence(std::size_t count, const std::string& first_row) {
+  return std::to_string(count) + " rows (the first is " + first_row +
          ") repeat a target where the axis turns, and read as if it had gone past the target in "
          "between, as ISO 230-2 has it: they count as reached from the other side. For a fit, "
          "write "
@@ -117,17 +117,16 @@ std::string overruns_sentence(const std::vector<std::size_t>& rows) {
 
 }  // namespace
 
-Result<Problem> lay_out_on_path(Dataset& data, const calibration::Candidates& baseline,
-                                std::size_t longest, Judging judging,
-                                std::vector<std::string>& sentences) {
-  DRIFTWISE_TRY(auto problem, lay_out(data, baseline, longest, judging));
+Result<Problem> lay_out_on_path(Dataset& data, const DiagnoseOptions& options, std::size_t longest,
+                                Judging judging, std::vector<std::string>& sentences) {
+  DRIFTWISE_TRY(auto problem, lay_out(data, options.baseline, longest, judging));
   if (data.time_s.empty() || says_overruns(data)) return problem;
   const auto rows = rows_after_overruns(data);
   if (rows.empty()) return problem;
   const auto plain = sides(problem);
   Dataset with = data;
   with.metadata.emplace_back(kOverruns, "yes");
-  DRIFTWISE_TRY(auto overrunning, lay_out(with, baseline, longest, judging));
+  DRIFTWISE_TRY(auto overrunning, lay_out(with, options.baseline, longest, judging));
   const auto overrun = sides(overrunning);
   if (!plain || !overrun || plain->cols() == 0 || !plain->allFinite() || !overrun->allFinite())
     return problem;
@@ -135,7 +134,7 @@ Result<Problem> lay_out_on_path(Dataset& data, const calibration::Candidates& ba
   if (two_ln_likelihood(problem, places, *overrun) <
       two_ln_likelihood(problem, places, *plain) + kFarLess)
     return problem;
-  sentences.push_back(overruns_sentence(rows));
+  sentences.push_back(overruns_sentence(rows.size(), options.name_of_row(rows.front())));
   data = std::move(with);
   return overrunning;
 }

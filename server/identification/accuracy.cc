@@ -8,6 +8,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/report/held_out_figure.h"
 #include "server/calibration/report/residual_statistics.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/data/unusable_values.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -120,9 +121,11 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
   Dataset dataset = without_incomplete_rows(whole, symbols_read(options));
   const std::size_t left_out = newly_excluded(whole, dataset);
   if (options.fit.first_rows > 0)
-    for (std::size_t row = static_cast<std::size_t>(options.fit.first_rows); row < dataset.rows;
-         ++row)
-      if (dataset.set_of(row) == PointSet::calibration) dataset.excluded[row] = 1;
+    for (std::size_t row =
+             end_of_first_rows(dataset, static_cast<std::size_t>(options.fit.first_rows));
+         row < dataset.rows; ++row)
+      if (dataset.set_of(row) == PointSet::calibration && !is_passage(dataset, row))
+        dataset.excluded[row] = kExcludedRow;
   MethodOptions once = options;
   once.fit.blocks = 0;
   once.fit.first_rows = 0;

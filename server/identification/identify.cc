@@ -137,8 +137,10 @@ Eigen::MatrixXd rows_of(const Eigen::MatrixXd& all, const std::vector<std::size_
   return some;
 }
 
-void centre_columns(Work& work) {
-  work.means = work.columns.colwise().mean();
+// The geometry stands where every column is 0: at the mean of what was offered, and in the first
+// datum, which is the one that targets and robot files are stated in. So datum(k) is not centred.
+void centre_columns(const std::vector<effects::Term>& terms, Work& work) {
+  work.means = term_means(terms, work.columns);
   work.halves = Eigen::VectorXd::Ones(work.columns.cols());
   for (Index j = 0; j < work.columns.cols(); ++j) {
     auto column = work.columns.col(j);
@@ -253,11 +255,19 @@ Identification describe(const Work& work, const Identifiability& chosen,
     result.term_covariances.push_back(
         raw * whole.block(free + o * count, free + o * count, count, count) * raw.transpose());
   }
-  result.coefficients.row(0) = -work.means.transpose() * result.coefficients.bottomRows(count);
+  result.coefficients.row(0) =
+      (-work.means.transpose() * result.coefficients.bottomRows(count)).array() + 0.0;  // no -0
   return result;
 }
 
 }  // namespace
+
+Eigen::VectorXd term_means(std::span<const effects::Term> terms, const Eigen::MatrixXd& columns) {
+  Eigen::VectorXd means = columns.colwise().mean().transpose();
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    if (effects::datum_of(terms[k])) means[static_cast<Index>(k)] = 0;
+  return means;
+}
 
 Eigen::VectorXd Identification::values() const {
   Eigen::VectorXd all(static_cast<Index>(parameters.size()));
@@ -294,7 +304,7 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
     return fail(ErrorCode::failed_precondition, reasons::kTooFewRows,
                 std::to_string(rows.size()) +
                     " complete calibration rows: measure more before identifying a robot");
-  centre_columns(work);
+  centre_columns(terms, work);
   DRIFTWISE_TRY(auto start, start_values(work));
   work.start = std::move(start);
   if (!predict_rows(work.mechanism, work.inputs, work.start).allFinite())

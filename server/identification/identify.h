@@ -5,11 +5,15 @@
 //
 //   output = mechanism(inputs; parameters) + constant + sum of coefficient * term
 //
+// The geometry stands in the first datum of the rows: datum(k) is what a further one lies apart,
+// and the constant is 0 but for the offered terms, which are counted from their means.
+//
 // Every output counts alike; parameters are scaled by what a deviation of each is worth
 // (kinematics::Parameter::natural). What cannot be told apart by such data about the drawing is
 // held at its nominal value and named (identifiability.h). docs/kinematics.md.
 
 #include <memory>
+#include <span>
 
 #include "server/calibration/model/model.h"
 #include "server/core/data/dataset.h"
@@ -42,7 +46,7 @@ struct Identification {
   Eigen::MatrixXd standard_errors;          // terms x outputs; 0 for the constant
   // Classical, for independent errors: (J'J)^-1 s^2, s^2 the mean square of what is left. Of the
   // free parameters, in their order and units; of the terms of each output, the constant's own
-  // share (with the centred columns it is the parameters') left out.
+  // share (it is the parameters') left out.
   Eigen::MatrixXd covariance;
   std::vector<Eigen::MatrixXd> term_covariances;
   Eigen::VectorXd rss;    // per output, over the calibration rows
@@ -58,6 +62,10 @@ struct Identification {
 // On the complete rows marked calibration. Errors: invalid_argument UNKNOWN_CHANNEL, WRONG_UNIT;
 // failed_precondition TOO_FEW_ROWS, BAD_START, NO_CONVERGENCE, POINTS_ON_A_LINE.
 Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& options);
+
+// Means of the terms' columns (rows x terms), from which they count beside an identified geometry;
+// of datum(k) 0, so that the geometry is that of the first datum.
+Eigen::VectorXd term_means(std::span<const effects::Term> terms, const Eigen::MatrixXd& columns);
 
 // rows x outputs, NaN where a value is missing.
 Result<Eigen::MatrixXd> predict(const Dataset& dataset, const Identification& identification);

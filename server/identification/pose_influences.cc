@@ -35,7 +35,7 @@ std::vector<Index> indices(const std::vector<std::size_t>& rows) {
 struct Derivatives {
   Eigen::MatrixXd columns;
   Eigen::VectorXd scale;
-  Eigen::RowVectorXd means;  // of the terms' columns, the constant left out
+  Eigen::RowVectorXd means;  // term_means() of the terms, the constant left out
   std::vector<Index> free;
 };
 
@@ -60,7 +60,7 @@ Derivatives derivatives_of(const Identification& found, const MechanismData& dat
   }
   if (linear > 0) {
     Eigen::MatrixXd centred = terms(rows, Eigen::seq(1, linear));
-    out.means = centred.colwise().mean();
+    out.means = term_means(std::span(found.terms).subspan(1), centred).transpose();
     centred.rowwise() -= out.means;
     for (Index o = 0; o < outputs; ++o)
       out.columns.block(o * count, free + o * linear, count, linear) = centred;
@@ -171,7 +171,8 @@ Result<std::vector<PoseInfluence>> pose_influences(const Dataset& dataset,
       if (linear > 0) {
         one.coefficients.bottomRows(linear) =
             Eigen::Map<const Eigen::MatrixXd>(moved.data() + free, linear, outputs);
-        one.coefficients.row(0) = -derivatives.means * one.coefficients.bottomRows(linear);
+        one.coefficients.row(0) =
+            (-derivatives.means * one.coefficients.bottomRows(linear)).array() + 0.0;  // no -0
       }
       out.push_back(std::move(one));
     }

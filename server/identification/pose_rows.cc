@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -77,7 +78,8 @@ Dataset without_incomplete_rows(Dataset dataset, const std::vector<std::string>&
     const DatasetColumn* column = dataset.find(symbol);
     if (column == nullptr) continue;
     for (std::size_t row = 0; row < dataset.rows; ++row)
-      if (std::isnan(column->values[row])) dataset.excluded[row] = 1;
+      if (std::isnan(column->values[row]) && !dataset.is_excluded(row))
+        dataset.excluded[row] = kExcludedRow;
   }
   return dataset;
 }

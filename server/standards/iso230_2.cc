@@ -143,7 +143,9 @@ Result<Iso2302> iso230_2(const Dataset& dataset, const Iso2302Options& options) 
                 "asked for " + std::to_string(options.approaches) +
                     " approaches from each side, the standard has 5");
   DRIFTWISE_TRY(const auto columns, find_axis_columns(dataset, options.columns));
-  DRIFTWISE_TRY(const auto approaches, approaches_of(dataset, columns));
+  DRIFTWISE_TRY(auto approaches, approaches_of(dataset, columns));
+  // A second reading at one place is no second approach.
+  std::erase_if(approaches, [](const Approach& approach) { return !approach.moved; });
   Iso2302 out;
   const auto positions = tested(positions_of(approaches), out.turning_points_mm);
   const auto count = static_cast<std::size_t>(options.approaches);

@@ -82,7 +82,9 @@ DriftSeries series_figures(const std::vector<Approach>& visits, const Iso2303Opt
   const auto samples = samples_of(visits);
   DriftSeries out;
   out.target_mm = visits.front().target_mm;
-  out.side = visits.front().side;
+  const bool at_rest =
+      std::none_of(visits.begin() + 1, visits.end(), [](const auto& visit) { return visit.moved; });
+  out.side = at_rest ? ApproachSide::unknown : visits.front().side;
   out.visits = samples.size();
   out.duration_h = (samples.back().time_s - samples.front().time_s) / 3600;
   const auto [low, high] = std::ranges::minmax(samples, {}, &DriftSample::e_nm);
@@ -117,14 +119,34 @@ std::string lacking(const std::vector<Approach>& visits, const Iso2303Options& o
   return {};
 }
 
+// Returns to zero at the begin and the end, and a row that nothing led to, are no series that a
+// test wants.
+bool is_of_the_test(const std::vector<Approach>& visits) {
+  if (visits.size() == 1 && visits.front().side == ApproachSide::unknown) return false;
+  return std::ranges::any_of(visits, [](const Approach& visit) { return !visit.zero; });
+}
+
+const char* side_text(ApproachSide side) {
+  return side == ApproachSide::up ? " from below" : side == ApproachSide::down ? " from above" : "";
+}
+
+std::string first_of(const std::vector<std::string>& sentences) {
+  constexpr std::size_t kShown = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(sentences.size(), kShown); ++i)
+    text += (i > 0 ? "; " : "") + sentences[i];
+  if (sentences.size() > kShown)
+    text += "; and " + std::to_string(sentences.size() - kShown) + " more";
+  return text;
+}
+
 }  // namespace
 
 Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) {
   DRIFTWISE_TRY(const auto columns, find_axis_columns(dataset, options.columns));
   if (dataset.time_s.empty())
     return lacks_drift(reasons::kUntimed, "needs the time of each row (time_s), found none");
-  DRIFTWISE_TRY(auto approaches, approaches_of(dataset, columns));
-  for (auto& approach : approaches) approach.zero = false;
+  DRIFTWISE_TRY(const auto approaches, approaches_of(dataset, columns));
   const auto span = time_span(dataset);
   const double start_s = span.first_s, test_s = span.last_s - start_s;
   if (test_s < options.hours * 3600)
@@ -135,25 +157,29 @@ Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) 
                            "that lasts, --hours allows a shorter test");
   Iso2303 out;
   out.columns = columns;
-  std::string missing;
-  std::size_t refused = 0;
-  for (const auto& position : positions_of(approaches))
+  std::vector<std::string> lacks, left_out;  // of all; of those that the test wants
+  constexpr bool kWithReturns = true;
+  for (const auto& position : positions_of(approaches, kWithReturns))
     for (const auto* visits : {&position.up, &position.down, &position.unknown}) {
       if (visits->empty()) continue;
       const std::string lack = lacking(*visits, options, test_s);
       if (lack.empty()) {
         out.series.push_back(series_figures(*visits, options, start_s));
         out.range_nm = std::max(out.range_nm, out.series.back().range_nm);
-      } else if (++refused <= 6) {
-        missing +=
-            (missing.empty() ? "" : "; ") + number_with(position.target_mm, "mm") + " has " + lack;
+      } else {
+        lacks.push_back(number_with(position.target_mm, "mm") + side_text(visits->front().side) +
+                        " has " + lack);
+        if (is_of_the_test(*visits)) left_out.push_back(lacks.back());
       }
     }
   if (out.series.empty())
     return lacks_drift(reasons::kNoSeries,
                        "needs a position that is visited from one side all through the test: " +
-                           (missing.empty() ? "found no measured row" : missing) +
+                           (lacks.empty() ? "found no measured row" : first_of(lacks)) +
                            ". `driftwise trajectory iso230-3` writes a trajectory that has them");
+  if (!left_out.empty())
+    out.warnings.push_back(std::to_string(left_out.size()) +
+                           " series of visits are in no figure: " + first_of(left_out));
   out.conditions = conditions_of(dataset);
   if (const std::size_t datums = datum_count(dataset); datums > 1)
     out.warnings.push_back("the rows lie in " + std::to_string(datums) +

@@ -47,8 +47,8 @@ struct Iso2303 {
 };
 
 // A position's series are its visits from one side, or at rest; those that span less than nine
-// tenths of the test, or leave gaps longer than longest_gap_min, are left out. Returns to zero are
-// a position like any other here.
+// tenths of the test, or leave gaps longer than longest_gap_min, are left out, with a warning.
+// Returns to zero are a position like any other here, without the warning.
 // Errors: those of find_axis_columns and column_mm; failed_precondition: UNTIMED, TOO_SHORT,
 // NO_SERIES naming what each position lacks.
 Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options);

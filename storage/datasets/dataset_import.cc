@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
@@ -80,7 +81,14 @@ Stamp instant_of(const Dataset& dataset, std::size_t row, Stamp created) {
 RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset) {
   const std::string fields = checked_fields(dataset);
   NewRun with_rows = run;
-  with_rows.rows = static_cast<std::int64_t>(dataset.rows);
+  with_rows.rows = 0;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (!is_passage(dataset, row)) ++with_rows.rows;
+  // Passages are no points of the run: as in a measured one they count on after its rows.
+  std::int64_t next_row = 0, next_passage = with_rows.rows;
+  std::vector<std::int64_t> numbers;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    numbers.push_back(is_passage(dataset, row) ? next_passage++ : next_row++);
   const RunId id = insert_run(session, with_rows, RunState::done);
   insert_file(session, id, dataset, fields);
 
@@ -98,7 +106,7 @@ RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset) {
           file_datum);
 
     PointRecord point;
-    point.row = static_cast<std::int64_t>(row);
+    point.row = numbers[row];
     point.datum = datum;
     point.set = dataset.set_of(row);
     point.line = dataset.line.empty() ? 0 : dataset.line[row];
@@ -124,13 +132,13 @@ RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset) {
                       .from = ""};
   for (std::size_t row = 0; row < dataset.rows; ++row)
     if (dataset.is_excluded(row) && !is_suspect(dataset, row) && !is_passage(dataset, row))
-      out.rows.push_back(static_cast<std::int64_t>(row));
+      out.rows.push_back(numbers[row]);
   store_exclusion(session, out);
   out.rows.clear();
   out.reason = "suspect in the imported file";
   out.suspect = true;
   for (std::size_t row = 0; row < dataset.rows; ++row)
-    if (is_suspect(dataset, row)) out.rows.push_back(static_cast<std::int64_t>(row));
+    if (is_suspect(dataset, row)) out.rows.push_back(numbers[row]);
   store_exclusion(session, out);
   Query(session.db,
         "UPDATE run_progress SET reason = 'imported', next_row = ?2, accepted = ?2, started_ns = "

@@ -7,8 +7,9 @@
 
 namespace driftwise::storage {
 
-// The rules stand at RunStore::import_dataset. Points keep the file's order as their
-// trajectory_row; their instant is the run's creation plus time_s.
+// The rules stand at RunStore::import_dataset. Points keep the file's order; their
+// instant is the run's creation plus time_s. trajectory_row counts the rows that are no passages;
+// those count on after them, as in a measured run.
 RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset);
 
 }  // namespace driftwise::storage

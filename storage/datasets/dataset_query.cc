@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "server/core/data/row_marks.h"
+#include "server/core/data/stated_lines.h"
 #include "server/core/reasons.h"
 #include "storage/datasets/dataset_columns.h"
 #include "storage/datasets/dataset_rows.h"
@@ -82,11 +83,13 @@ void fill_fields(Dataset& dataset, const std::vector<DatasetRow>& rows, bool sev
   fill_excluded(dataset, rows, false);
 }
 
-void read_metadata(Session& session, RunId run, Dataset& dataset) {
+std::vector<std::pair<std::string, std::string>> metadata_in_file(Session& session, RunId run) {
   Query query(session.db,
               "SELECT key, value FROM imported_metadata WHERE run_id = ? ORDER BY position");
   query.bind(run.value);
-  while (query.row()) dataset.metadata.emplace_back(query.text(0), query.text(1));
+  std::vector<std::pair<std::string, std::string>> lines;
+  while (query.row()) lines.emplace_back(query.text(0), query.text(1));
+  return lines;
 }
 
 std::vector<std::int64_t> columns_in_file(Session& session, RunId run) {
@@ -198,10 +201,12 @@ void sort_columns(Dataset& dataset) {
 Dataset read_dataset(Session& session, std::span<const RunId> runs) {
   require_distinct(runs);
   std::vector<std::vector<DatasetRow>> measured, imported;
+  std::vector<StatedLines> stated;
   std::optional<std::string> fields;
   for (const RunId run : runs) {
     require_run(session, run);
     fields = imported_fields(session, run);
+    if (fields && runs.size() > 1) stated.push_back({{run}, metadata_in_file(session, run)});
     (fields ? imported : measured).push_back(read_dataset_rows(session, run));
   }
 
@@ -209,7 +214,7 @@ Dataset read_dataset(Session& session, std::span<const RunId> runs) {
   if (runs.size() == 1 && fields) {
     dataset.rows = imported.front().size();
     fill_as_in_file(dataset, imported.front(), *fields);
-    read_metadata(session, runs.front(), dataset);
+    dataset.metadata = metadata_in_file(session, runs.front());
     read_columns(session, runs, imported.front(), columns_in_file(session, runs.front()), dataset);
     return dataset;
   }
@@ -218,6 +223,9 @@ Dataset read_dataset(Session& session, std::span<const RunId> runs) {
   fill_fields(dataset, rows, runs.size() > 1);
   read_columns(session, runs, rows, {}, dataset);
   sort_columns(dataset);
+  auto together = stated_together(dataset, stated);
+  if (!together) throw StorageFailure{together.error()};
+  dataset.metadata = *std::move(together);
   return dataset;
 }
 

@@ -10,7 +10,8 @@
 namespace driftwise::storage {
 
 // The rules stand at RunStore::dataset. runs: at least one, each once: else invalid_argument
-// BAD_RUNS. Runs in units that differ: invalid_argument UNITS_DISAGREE.
+// BAD_RUNS. Runs in units that differ: invalid_argument UNITS_DISAGREE; files that state one thing
+// in two ways: METADATA_DISAGREE.
 Dataset read_dataset(Session& session, std::span<const RunId> runs);
 
 }  // namespace driftwise::storage

@@ -31,7 +31,7 @@ std::vector<DatasetRow> read_dataset_rows(Session& session, RunId run) {
       "file_time_s, file_run, "
       "file_datum, EXISTS (SELECT 1 FROM passage WHERE passage.point_id = point.point_id) FROM "
       "point JOIN datum ON datum.datum_id = point.datum_id WHERE point.run_id = ? "
-      "AND point_id NOT IN (SELECT point_id FROM repeated_point) ORDER BY trajectory_row");
+      "AND point_id NOT IN (SELECT point_id FROM repeated_point) ORDER BY point_id");
   query.bind(run.value);
   std::vector<DatasetRow> rows;
   while (query.row()) {

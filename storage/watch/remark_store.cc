@@ -18,6 +18,20 @@ void require_point(Session& session, RunId run, std::int64_t row) {
                       std::to_string(run.value) + "' shows the rows there are");
 }
 
+// A person takes rows out by their numbers in the plan. A passage is counted after the plan's last
+// row, so that a number that is too large by a few would take one out and change no fit.
+void require_no_passage(Session& session, RunId run, std::int64_t row) {
+  Query query(session.db,
+              "SELECT 1 FROM point JOIN passage USING (point_id) WHERE run_id = ? AND "
+              "trajectory_row = ?");
+  if (query.bind(run.value, row).row())
+    throw_failure(ErrorCode::invalid_argument, reasons::kNoSuchRow,
+                  "row " + std::to_string(row + 1) + " of run " + std::to_string(run.value) +
+                      " is a passage, where the run came by beside its plan: a passage is in no "
+                      "fit. Name rows as 'driftwise run points " +
+                      std::to_string(run.value) + "' shows them");
+}
+
 std::set<std::int64_t> excluded_rows(Session& session, RunId run) {
   Query query(session.db, "SELECT trajectory_row FROM excluded_point WHERE run_id = ?");
   query.bind(run.value);
@@ -73,7 +87,11 @@ ExclusionRecord insert_exclusion(Session& session, const ExclusionRecord& exclus
 }
 
 Result<ExclusionRecord> SqliteRemarkStore::exclude(const ExclusionRecord& exclusion) {
-  return session_.write([&] { return store_exclusion(session_, exclusion); });
+  return session_.write([&] {
+    require_run(session_, exclusion.run);
+    for (const std::int64_t row : exclusion.rows) require_no_passage(session_, exclusion.run, row);
+    return store_exclusion(session_, exclusion);
+  });
 }
 
 Result<std::vector<ExclusionRecord>> SqliteRemarkStore::exclusions(RunId run) {

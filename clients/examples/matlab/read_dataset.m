@@ -1,9 +1,11 @@
 function table = read_dataset(file)
 % READ_DATASET  A dataset of Driftwise (docs/formats.md) in MATLAB or GNU Octave.
 %   t = read_dataset("campaign.csv");        one field per column, named as in the file
-%   cal = t.set == "calibration";            in Octave: strcmp(t.set, "calibration")
+%   cal = t.in_use & strcmp(t.set, "calibration");
 %   A = [ones(sum(cal), 1), t.x_mm(cal), t.t05_degC(cal)];
 %   coefficients = A \ t.q1_mm(cal)
+% t.in_use is true on the rows that Driftwise fits. False: passages (the zero of a datum, a return of the run's own;
+% these may have no pose, and one NaN makes all coefficients NaN), and what is excluded or suspect.
 % Columns are numbers (NaN: not measured), but set, run and datum, which are cells of text.
 % Lines "# key: value" at the top become fields of t.metadata.
   text = fileread(file);
@@ -34,6 +36,12 @@ function table = read_dataset(file)
       table.(names{j}) = fields(:, j);
     else
       table.(names{j}) = str2double(fields(:, j));  % an empty field becomes NaN
+    end
+  end
+  table.in_use = true(size(fields, 1), 1);
+  for mark = {'excluded', 'suspect', 'passage'}
+    if isfield(table, mark{1})
+      table.in_use = table.in_use & table.(mark{1}) ~= 1;
     end
   end
 end

@@ -14,6 +14,7 @@ using StoredModel = std::shared_ptr<const calibration::Model>;
 
 struct VerifyMaterial {
   std::vector<diagnosis::RunToVerify> runs;
+  std::vector<std::vector<correction::RowOrigin>> origins;  // of the rows of each
   StoredModel range;
 };
 
@@ -32,10 +33,11 @@ Result<VerifyMaterial> gather_runs(Store& store, const std::vector<RunId>& runs,
   }
   for (const RunId id : runs) {
     DRIFTWISE_TRY(const auto record, store.runs().run(id));
-    DRIFTWISE_TRY(auto data, amended_dataset(store, std::vector{id}));
+    DRIFTWISE_TRY(auto amended, amended_data(store, std::vector{id}));
     const Compensation compensation = compensation_of(record);
     diagnosis::RunToVerify run{id, compensation.compensated, compensation.model, nullptr,
-                               std::move(data)};
+                               std::move(amended.data)};
+    material.origins.push_back(std::move(amended.origins));
     if (compensation.model) {
       DRIFTWISE_TRY(auto model, stored_model(store, *compensation.model));
       if (!model->geometry) run.model = std::move(model);  // its rows are judged by terms
@@ -45,15 +47,24 @@ Result<VerifyMaterial> gather_runs(Store& store, const std::vector<RunId>& runs,
   return material;
 }
 
+// The row with the largest error is then a row of the run's plan: its place in the dataset counts
+// passages, and no command takes it.
+Result<diagnosis::Verification> verified(const VerifyMaterial& of) {
+  auto found = diagnosis::verify_runs(of.runs, of.range.get());
+  if (!found) return found;
+  for (std::size_t i = 0; i < found->runs.size() && i < of.origins.size(); ++i)
+    for (auto& one : found->runs[i].coordinates)
+      if (one.largest_row < of.origins[i].size())
+        one.largest_row = static_cast<std::size_t>(of.origins[i][one.largest_row].row);
+  return found;
+}
+
 }  // namespace
 
 Awaitable<Result<diagnosis::Verification>> ModelChecksService::verify_runs(
     std::vector<RunId> runs, std::optional<ModelId> range) {
   DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_runs, std::move(runs), range));
-  co_return co_await run_on(
-      worker_,
-      [](const VerifyMaterial& of) { return diagnosis::verify_runs(of.runs, of.range.get()); },
-      std::move(material));
+  co_return co_await run_on(worker_, verified, std::move(material));
 }
 
 }  // namespace driftwise::application

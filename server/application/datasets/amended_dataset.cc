@@ -13,6 +13,7 @@
 #include "server/application/ports/run_plan.h"
 #include "server/core/data/dataset_parts.h"
 #include "server/core/data/measured_by.h"
+#include "server/core/data/stated_lines.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/sensor_parts.h"
@@ -23,7 +24,7 @@ namespace driftwise::application {
 namespace {
 
 // In the order of RunStore::dataset: measured points by their instant, then imported runs as they
-// were named, each by its rows.
+// were named, each in the order of its file, which is that of its points.
 Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& out) {
   std::vector<PointRecord> measured, imported;
   std::set<RunId> of_files;
@@ -31,9 +32,7 @@ Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& o
     DRIFTWISE_TRY(const auto record, store.runs().run(run));
     DRIFTWISE_TRY(auto points, points_in_dataset(store, run));
     if (is_of_file(record)) of_files.insert(run);
-    const bool is_imported = record.reason == "imported";
-    if (is_imported) std::ranges::sort(points, {}, &PointRecord::row);
-    auto& to = is_imported ? imported : measured;
+    auto& to = record.reason == "imported" ? imported : measured;
     std::ranges::move(points, std::back_inserter(to));
   }
   std::ranges::sort(measured, {}, [](const PointRecord& point) {
@@ -103,11 +102,33 @@ void add_instruments(Store& store, std::span<const RunId> runs, Dataset& dataset
     dataset.metadata.emplace_back(kMeasuredByKey, measured_by_text(coordinates));
 }
 
-// An imported file keeps its own metadata: what it says, or does not say.
-void add_metadata(Store& store, std::span<const RunId> runs, Dataset& dataset) {
-  if (!dataset.metadata.empty()) return;
-  add_parts(store, runs, dataset);
-  add_instruments(store, runs, dataset);
+// Files state what they state, alone and together (RunStore::dataset); measured runs, what their
+// cell files say. Beside files these state it together, as one more file.
+Result<void> add_metadata(Store& store, std::span<const RunId> runs, Dataset& dataset) {
+  StatedLines measured;
+  std::vector<StatedLines> of_files;
+  for (const RunId id : runs) {
+    DRIFTWISE_TRY(const auto run, store.runs().run(id));
+    if (run.reason != "imported") {
+      measured.runs.push_back(id);
+      continue;
+    }
+    of_files.push_back({{id}, {}});
+  }
+  if (measured.runs.empty()) return {};
+  dataset.metadata.clear();
+  add_parts(store, measured.runs, dataset);
+  add_instruments(store, measured.runs, dataset);
+  if (of_files.empty()) return {};
+  measured.lines = std::move(dataset.metadata);
+  std::vector<StatedLines> sources = {std::move(measured)};
+  for (auto& file : of_files) {
+    DRIFTWISE_TRY(auto alone, store.runs().dataset(file.runs));
+    file.lines = std::move(alone.metadata);
+    sources.push_back(std::move(file));
+  }
+  DRIFTWISE_TRY(dataset.metadata, stated_together(dataset, sources));
+  return {};
 }
 
 Result<bool> any_of_file(Store& store, std::span<const RunId> runs) {
@@ -142,7 +163,7 @@ Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
   for (int read = 1;; ++read) {
     RunsData out;
     DRIFTWISE_TRY(out.data, store.runs().dataset(runs));
-    add_metadata(store, runs, out.data);
+    DRIFTWISE_RETURN_IF_ERROR(add_metadata(store, runs, out.data));
     const auto found = find_origins(store, runs, out);
     if (found) return out;
     if (found.error().reason != reasons::kRowsDiffer || read == kMostReads)
@@ -260,7 +281,8 @@ Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
   DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   if (std::ranges::none_of(records, &CorrectionRecord::in_force)) {
     auto dataset = store.runs().dataset(runs);  // nothing to lay over: as ever
-    if (dataset) add_metadata(store, runs, *dataset);
+    if (!dataset) return dataset;
+    DRIFTWISE_RETURN_IF_ERROR(add_metadata(store, runs, *dataset));
     return dataset;
   }
   DRIFTWISE_TRY(auto amended, amended_data(store, runs));

@@ -21,7 +21,8 @@ struct RunsData {
 // again. limit: the first so many; 0: all. Errors: those of PointStore::points.
 Result<std::vector<PointRecord>> points_in_dataset(Store& store, RunId run, std::size_t limit = 0);
 
-// As it was measured. Errors: those of RunStore::dataset.
+// As it was measured; metadata: what its runs state together (core/data/stated_lines.h). Errors:
+// those of RunStore::dataset, and METADATA_DISAGREE.
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs);
 
 // A correction holds where the instrument measured that it was found in: found in rows of a file,

@@ -6,24 +6,25 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
 
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/datasets/joined_runs.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/application/ports/run_plan.h"
-#include "server/core/data/dataset_parts.h"
-#include "server/core/data/measured_by.h"
 #include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/csv/set_names.h"
+#include "server/formats/csv/trajectory_rows.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::application {
 namespace {
 
-// "run 4 with model 3, run 5 none": a compensated run is told from an uncompensated one.
+// "run 4 with model 3, run 5 none, run 6 imported": a compensated run is told from an uncompensated
+// one, and from rows of which this cell knows neither.
 std::string compensations(Store& store, const std::vector<RunId>& runs) {
   std::string text;
   for (const auto& run : runs) {
@@ -31,7 +32,9 @@ std::string compensations(Store& store, const std::vector<RunId>& runs) {
     if (!record) continue;
     const Compensation of = compensation_of(*record);
     text += fmt::format("{}run {} {}", text.empty() ? "" : ", ", run.value,
-                        of.compensated ? "with " + compensation_text(of) : "none");
+                        is_of_file(*record) ? "imported"
+                        : of.compensated    ? "with " + compensation_text(of)
+                                            : "none");
   }
   return text;
 }
@@ -58,6 +61,9 @@ std::vector<std::string> set_names_of(Store& store, const std::vector<RunId>& ru
     return formats::unpacked_set_names(kept->second, dataset.rows);
   std::map<std::int64_t, std::vector<std::string>> by_run;  // in the order of its points
   bool any = false;
+  bool with_passages = false;  // a part of a join has none
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    with_passages = with_passages || is_passage(dataset, row);
   for (const RunId id : runs) {
     const auto run = store.runs().run(id);
     if (!run) return {};
@@ -66,6 +72,7 @@ std::vector<std::string> set_names_of(Store& store, const std::vector<RunId>& ru
     if (!points) return {};
     auto& names = by_run[id.value];
     for (const auto& point : *points) {
+      if (point.passage && !with_passages) continue;
       const auto row = static_cast<std::size_t>(point.row);
       const bool has = of_rows && row < of_rows->size();
       names.push_back(has                                 ? (*of_rows)[row]
@@ -124,42 +131,28 @@ Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
   return ParsedFile{std::move(dataset), formats::content_hash(csv)};
 }
 
-// The runs' rows as a dataset file, with the cell, the runs and the corrections in its metadata.
-Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool without_excluded,
-                             const std::string& cell, Clock* clock) {
-  DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
-  auto set_names = set_names_of(store, runs, dataset);
-  drop_set_names(dataset);
-  if (without_excluded) {
-    std::vector<std::string> kept;
-    for (std::size_t row = 0; row < set_names.size(); ++row)
-      if (!dataset.is_excluded(row)) kept.push_back(std::move(set_names[row]));
-    set_names = std::move(kept);
-    leave_excluded_out(dataset);
+// Row of the trajectory, from 1, of each row of the dataset; 0: a passage. Empty: it is of several
+// runs, or they cannot be told.
+std::vector<std::int64_t> trajectory_rows_of(Store& store, const std::vector<RunId>& runs,
+                                             const Dataset& dataset) {
+  if (runs.size() != 1) return {};
+  const auto run = store.runs().run(runs.front());
+  if (!run) return {};
+  std::vector<std::int64_t> rows;
+  if (run->reason == "imported") {
+    const auto of_file = formats::trajectory_rows(dataset, "dataset");
+    if (!of_file) return {};
+    for (std::size_t row = 0, next = 0; row < dataset.rows; ++row)
+      rows.push_back(is_passage(dataset, row) ? 0 : (*of_file)[next++]);
+    return rows;
   }
-  // An imported file keeps its own; of a measured run only parts and instruments are there.
-  const auto parts = dataset.metadata;
-  if (std::ranges::all_of(parts, [](const auto& line) {
-        return line.first == kPartsKey || line.first == kMeasuredByKey;
-      })) {
-    dataset.metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
-    std::string numbers;
-    for (const auto& run : runs)
-      numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
-    dataset.metadata.emplace_back("runs", numbers);
-    dataset.metadata.emplace_back("compensation", compensations(store, runs));
-    if (const auto zero = time_zero(store, runs))  // what time_s counts from
-      dataset.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
-    dataset.metadata.insert(dataset.metadata.end(), parts.begin(), parts.end());
-  }
-  // "1, 3": a reader elsewhere learns that the lengths are not as they were read.
-  DRIFTWISE_TRY(const auto corrections, corrections_over(store, runs));
-  std::string corrected;
-  for (const CorrectionId id : corrections)
-    corrected += (corrected.empty() ? "" : ", ") + std::to_string(id.value);
-  if (!corrected.empty()) dataset.metadata.emplace_back("corrections", corrected);
-  auto csv = formats::write_dataset_csv(dataset);
-  return set_names.empty() ? csv : formats::with_set_names(csv, set_names);
+  auto points = points_in_dataset(store, runs.front());
+  if (!points || points->size() != dataset.rows) return {};
+  std::ranges::sort(*points, {}, [](const PointRecord& point) {
+    return std::tuple(point.measured.utc, point.id.value);
+  });
+  for (const auto& point : *points) rows.push_back(point.passage ? 0 : point.row + 1);
+  return rows;
 }
 
 // Those whose rows are a file's.
@@ -170,6 +163,51 @@ Result<std::vector<std::int64_t>> runs_of_files(Store& store, const std::vector<
     if (is_of_file(run)) of_files.push_back(id.value);
   }
   return of_files;
+}
+
+// The runs' rows as a dataset file, with the cell, the runs and the corrections in its metadata.
+Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool without_excluded,
+                             const std::string& cell, Clock* clock) {
+  DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
+  auto set_names = set_names_of(store, runs, dataset);
+  drop_set_names(dataset);
+  auto rows = trajectory_rows_of(store, runs, dataset);
+  if (without_excluded) {
+    for (std::size_t row = 0; row < rows.size(); ++row)
+      if (dataset.is_excluded(row)) rows[row] = 0;
+    std::vector<std::string> kept;
+    for (std::size_t row = 0; row < set_names.size(); ++row)
+      if (!dataset.is_excluded(row)) kept.push_back(std::move(set_names[row]));
+    set_names = std::move(kept);
+    leave_excluded_out(dataset);
+  }
+  DRIFTWISE_TRY(const auto of_files, runs_of_files(store, runs));
+  DRIFTWISE_TRY(const auto first, store.runs().run(runs.front()));
+  // One imported run keeps what its file says, or does not say.
+  if (runs.size() > 1 || first.reason != "imported") {
+    const auto stated = std::move(dataset.metadata);  // parts, instruments, ...
+    dataset.metadata = {{std::string(formats::kDatasetVersionKey), "1"}};
+    const bool all_of_files = of_files.size() == runs.size();
+    if (!all_of_files) dataset.metadata.emplace_back("cell", cell);
+    std::string numbers;
+    for (const auto& run : runs)
+      numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
+    dataset.metadata.emplace_back("runs", numbers);
+    if (!all_of_files) dataset.metadata.emplace_back("compensation", compensations(store, runs));
+    if (const auto zero = time_zero(store, runs))  // what time_s counts from
+      dataset.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
+    dataset.metadata.insert(dataset.metadata.end(), stated.begin(), stated.end());
+  }
+  // "1, 3": a reader elsewhere learns that the lengths are not as they were read.
+  DRIFTWISE_TRY(const auto corrections, corrections_over(store, runs));
+  std::string corrected;
+  for (const CorrectionId id : corrections)
+    corrected += (corrected.empty() ? "" : ", ") + std::to_string(id.value);
+  if (!corrected.empty()) dataset.metadata.emplace_back("corrections", corrected);
+  std::erase(rows, 0);
+  if (runs.size() == 1) formats::set_trajectory_rows(dataset, rows);
+  auto csv = formats::write_dataset_csv(dataset);
+  return set_names.empty() ? csv : formats::with_set_names(csv, set_names);
 }
 
 // With what a join has of its first part: the instant of its first row, the names of its sets.

@@ -17,6 +17,7 @@
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/csv/set_names.h"
 #include "server/formats/csv/trajectory_csv.h"
+#include "server/formats/csv/trajectory_rows.h"
 #include "server/formats/join/join_report.h"
 #include "server/formats/text/text.h"
 
@@ -88,6 +89,22 @@ void describe(Store& store, const RunRecord& run, const CellDescription& present
     part.stage = correction::stage_from(*present.correction, robot);
 }
 
+// Of an imported file, one per row; empty: it names none.
+std::vector<std::string> set_names_in(const Dataset& data) {
+  for (const auto& [key, value] : data.metadata)
+    if (key == formats::kSetNamesKey) return formats::unpacked_set_names(value, data.rows);
+  return {};
+}
+
+void keep_set_names(const std::vector<std::string>& names, const std::vector<std::size_t>& rows,
+                    Dataset& data) {
+  if (names.empty()) return;
+  std::vector<std::string> kept;
+  for (const auto row : rows) kept.push_back(names[row]);
+  for (auto& [key, value] : data.metadata)
+    if (key == formats::kSetNamesKey) value = formats::packed_set_names(kept);
+}
+
 Result<correction::JoinPart> part_of(Store& store, RunId id,
                                      const std::vector<NumberedAmendment>& corrections,
                                      const CellDescription& present) {
@@ -109,7 +126,9 @@ Result<correction::JoinPart> part_of(Store& store, RunId id,
   part.name = fmt::format("run {}", id.value);
   part.hash = formats::content_hash(formats::write_dataset_csv(measured.data));
   part.data = std::move(measured.data);
+  const auto sets = set_names_in(part.data);
   const auto rows = leave_passages_out(part.data);  // rows are joined by their numbers in the plan
+  keep_set_names(sets, rows, part.data);
   part.model = model_text(run);
   if (run.trajectory_text.empty()) {  // imported: its file says what there is to say
     const auto tool =
@@ -128,9 +147,7 @@ Result<correction::JoinPart> part_of(Store& store, RunId id,
 // Of the first part, for the rows that the join has of it. Empty: its sets have no names.
 std::vector<std::string> set_names_of(const correction::JoinPart& part,
                                       const std::vector<std::int64_t>& trajectory_rows) {
-  std::vector<std::string> names;
-  for (const auto& [key, value] : part.data.metadata)
-    if (key == formats::kSetNamesKey) names = formats::unpacked_set_names(value, part.data.rows);
+  const auto names = set_names_in(part.data);
   if (names.empty()) return {};
   std::map<std::int64_t, std::size_t> index_of;
   for (std::size_t i = 0; i < part.data.rows; ++i) index_of[part.row_of(i)] = i;
@@ -176,6 +193,12 @@ Result<JoinedRuns> join_runs(correction::JoinParts parts, const correction::Join
     joined.data.metadata.push_back(std::move(line));
   if (const auto names = set_names_of(parts.front(), joined.rows); !names.empty())
     joined.data.metadata.emplace_back(formats::kSetNamesKey, formats::packed_set_names(names));
+  const auto& first = parts.front();
+  DRIFTWISE_TRY(const auto of_file, formats::trajectory_rows(first.data, first.name));
+  std::vector<std::int64_t> rows;  // counted from 1
+  for (const auto row : joined.rows)
+    rows.push_back(first.row.empty() ? of_file[static_cast<std::size_t>(row)] : row + 1);
+  formats::set_trajectory_rows(joined.data, rows);
   return JoinedRuns{std::move(joined.data), formats::join_json(parts, rules, joined.report).dump()};
 }
 

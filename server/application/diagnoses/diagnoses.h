@@ -12,6 +12,7 @@
 #include "server/application/diagnoses/diagnosis_progress.h"
 #include "server/application/ports/caller.h"
 #include "server/core/ports/awaitable.h"
+#include "server/correction/data_amendment.h"
 
 namespace driftwise::application {
 
@@ -32,6 +33,8 @@ struct DiagnosisView {
   DiagnosisRecord record;
   std::optional<diagnosis::Diagnosis> found;  // once it is done; without the rows' residuals
   std::optional<ExtensionRecord> extension;   // the last one that was accepted, undone or not
+  // Run and row of its plan by place in the dataset, where a finding names rows of runs. Of get().
+  std::vector<correction::RowOrigin> origins = {};
 };
 
 class Diagnoses {

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/datasets/row_names.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -45,6 +48,8 @@ Result<DiagnosisView> view_of(Store& store, DiagnosisRecord record) {
   return view;
 }
 
+using RowName = std::function<std::string(std::size_t row)>;
+
 // What a search begins with. The options are in the bare names of the robot (robot_names.h), the
 // baseline is as the record has it.
 struct SearchStart {
@@ -71,16 +76,18 @@ Result<calibration::Candidates> expand_bare(const std::string& formula, const Da
 }
 
 // Checks before the search begins: the robot, the formula against the data, and time.
-Result<SearchStart> start_of(const Dataset& dataset, const DiagnosisRequest& request) {
+Result<SearchStart> start_of(const std::shared_ptr<const Dataset>& data,
+                             const DiagnosisRequest& request, const RowName& named) {
+  const Dataset& dataset = *data;
   DRIFTWISE_TRY(auto robot, formats::robot_asked_for(dataset, request.baseline, request.robot));
   const formats::RobotNames names(dataset, robot);
   DRIFTWISE_TRY(auto candidates, expand_bare(request.baseline, dataset, names));
   for (std::size_t row = 1; row < dataset.time_s.size(); ++row)
     if (dataset.time_s[row] < dataset.time_s[row - 1])
       return fail(ErrorCode::invalid_argument, reasons::kTimeRunsBack,
-                  fmt::format("row {} is at {:g} s, the row before it at {:g} s: a diagnosis needs "
-                              "the rows in time order",
-                              row + 1, dataset.time_s[row], dataset.time_s[row - 1]));
+                  fmt::format("{} is at {:g} s, the row before it at {:g} s: a diagnosis needs the "
+                              "rows in time order",
+                              named(row), dataset.time_s[row], dataset.time_s[row - 1]));
   diagnosis::DiagnoseOptions options;
   options.baseline = std::move(candidates);
   options.alpha = request.alpha;
@@ -115,18 +122,22 @@ Awaitable<Result<void>> DiagnosesService::resolve_baseline(DiagnosisRequest& req
 
 Awaitable<Result<DiagnosisView>> DiagnosesService::create(Caller caller, DiagnosisRequest request) {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await resolve_baseline(request));
-  DRIFTWISE_CO_TRY(auto dataset, co_await datasets_.load(request.runs, request.csv));
-  const auto shared = std::make_shared<const Dataset>(std::move(dataset));
-  DRIFTWISE_CO_TRY(auto start,
-                   co_await run_on(
-                       background_,
-                       [](const std::shared_ptr<const Dataset>& data,
-                          const DiagnosisRequest& asked) { return start_of(*data, asked); },
-                       shared, request));
+  RunsData loaded;
+  if (request.csv.empty() && !request.runs.empty()) {
+    DRIFTWISE_CO_TRY(loaded, co_await reader_.call(amended_data, request.runs));
+  } else {
+    DRIFTWISE_CO_TRY(loaded.data, co_await datasets_.load(request.runs, request.csv));
+  }
+  const auto shared = std::make_shared<const Dataset>(std::move(loaded.data));
+  const RowName named = [origins = std::move(loaded.origins), shared](std::size_t row) {
+    return row_name(origins, *shared, row);
+  };
+  DRIFTWISE_CO_TRY(auto start, co_await run_on(background_, start_of, shared, request, named));
   request.robot = start.robot;
   if (request.csv.empty())
     start.options.levers =
         diagnosis::declared_lever_limits(plans::part_of_robot(description_, start.robot));
+  start.options.row_name = named;
   DiagnosisRecord fresh;
   fresh.name = request.name;
   fresh.runs = request.runs;
@@ -136,13 +147,24 @@ Awaitable<Result<DiagnosisView>> DiagnosesService::create(Caller caller, Diagnos
   auto beginning = desk_.begin(caller, std::move(fresh), shared, std::move(start.options),
                                std::move(start.robot));
   DRIFTWISE_CO_TRY(auto stored, co_await std::move(beginning));
-  co_return DiagnosisView{std::move(stored), std::nullopt, std::nullopt};
+  co_return DiagnosisView{std::move(stored), std::nullopt, std::nullopt, {}};
 }
 
 Awaitable<Result<DiagnosisView>> DiagnosesService::get(DiagnosisId id) {
   co_return co_await reader_.call([id](Store& store) -> Result<DiagnosisView> {
     DRIFTWISE_TRY(auto record, store.diagnoses().diagnosis(id));
-    return view_of(store, std::move(record));
+    DRIFTWISE_TRY(auto view, view_of(store, std::move(record)));
+    const auto names_rows = [](const diagnosis::Finding& finding) { return !finding.rows.empty(); };
+    if (view.found && !view.record.runs.empty() &&
+        std::ranges::any_of(view.found->findings, names_rows)) {
+      DRIFTWISE_TRY(auto data, measured_data(store, view.record.runs));
+      for (auto& finding : view.found->findings)  // a passage has no row of the plan
+        std::erase_if(finding.rows, [&data](std::size_t row) {
+          return row < data.data.rows && is_passage(data.data, row);
+        });
+      view.origins = std::move(data.origins);
+    }
+    return view;
   });
 }
 

@@ -54,6 +54,7 @@ class Planner {
       DRIFTWISE_TRY(const auto finding, with_side(number));
       DRIFTWISE_RETURN_IF_ERROR(add(number, finding));
     }
+    DRIFTWISE_RETURN_IF_ERROR(drop_sensor_terms());
     if (!taken_as_.empty() && taken_as_ != kAsNamed && !took_side_)
       return fail(ErrorCode::failed_precondition, reasons::kNoSuchFinding,
                   fmt::format("none of the chosen findings of diagnosis {} may be the robot's as "
@@ -175,9 +176,52 @@ class Planner {
     return {};
   }
 
+  bool reads_left_out(const effects::Term& term) const {
+    const auto symbols = effects::symbols_of(term);
+    return std::ranges::any_of(plan_.amendment.sensors, [&](const auto& out) {
+      return std::ranges::find(symbols, out.symbol) != symbols.end();
+    });
+  }
+
+  // A thermometer that is left out takes its terms out of the baseline; a group such as T, which
+  // does without it, stays as it is written.
+  Result<void> drop_sensor_terms() {
+    if (plan_.amendment.sensors.empty()) return {};
+    for (const auto& finding : plan_.of_robot)
+      if (const auto reads = std::ranges::find_if(
+              finding.terms, [this](const auto& term) { return reads_left_out(term); });
+          reads != finding.terms.end())
+        return fail(
+            ErrorCode::failed_precondition, reasons::kNothingToMake,
+            fmt::format("finding {} of diagnosis {} has the term {}, and a thermometer that "
+                        "it reads is left out by another finding that was chosen: accept "
+                        "one of the two",
+                        name_of(finding), id_.value, effects::notation(*reads)));
+    DRIFTWISE_TRY(const auto formula, formats::Formula::parse(plan_.baseline));
+    DRIFTWISE_TRY(auto kept, formula.expand(data_.data));
+    const auto dropped =
+        std::erase_if(kept.terms, [this](const auto& term) { return reads_left_out(term); });
+    Dataset without;
+    without.metadata = data_.data.metadata;
+    for (const auto& column : data_.data.columns)
+      if (std::ranges::find(plan_.amendment.sensors, column.channel.symbol,
+                            &correction::SensorLeftOut::symbol) == plan_.amendment.sensors.end())
+        without.columns.push_back({column.channel, {}});
+    const auto as_written = formula.expand(without);
+    if (dropped == 0 || (as_written && as_written->terms == kept.terms)) return {};
+    std::vector<std::string> terms;
+    for (const auto& term : kept.terms) terms.push_back(effects::notation(term));
+    if (terms.empty()) terms.emplace_back("1");
+    const std::string written = fmt::format("{} ~ {}{}", fmt::join(kept.outputs, " + "),
+                                            fmt::join(terms, " + "), kept.constant ? "" : " - 1");
+    plan_.formula = written + plan_.formula.substr(plan_.baseline.size());
+    plan_.baseline = written;
+    return {};
+  }
+
   void keep_rows_out(const diagnosis::Finding& finding) {
     for (const std::size_t row : finding.rows) {
-      if (row >= data_.origins.size()) continue;
+      if (row >= data_.origins.size() || is_passage(data_.data, row)) continue;
       rows_out_[data_.origins[row].run].push_back(data_.origins[row].row);
       reason_of_[data_.origins[row].run] =
           finding.cause + (finding.subject.empty() ? "" : " " + finding.subject);

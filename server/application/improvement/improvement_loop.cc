@@ -65,6 +65,14 @@ std::optional<ErrorFigures> fresh_figures(const ModelCheck& check, const std::st
   return std::nullopt;
 }
 
+// Why a model's points were not judged, by the first output that says it.
+std::string why_unjudged(const ModelCheck& check) {
+  for (const auto& output : check.report.outputs)
+    if (!output.points.empty() && !output.points[0].why_not.empty())
+      return output.points[0].why_not;
+  return "fewer than two rows could be judged";
+}
+
 std::string name_of(const diagnosis::Finding& finding) {
   return finding.cause + (finding.subject.empty() ? "" : " " + finding.subject);
 }
@@ -359,22 +367,25 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
     gain.measured = fresh_figures(by_after, gain.output);
   }
   const FreshVerdict verdict = judge_fresh(turn_.gains);
-  say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
-                  run.id.value, verdict.measured));
-  if (!verdict.judged || (verdict.better && verdict.worse.empty())) {
+  if (verdict.judged)
+    say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
+                    run.id.value, verdict.measured));
+  if (verdict.better && verdict.worse.empty()) {
     unproved_.reset();
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
-    if (verdict.judged) co_await promote_proven();
+    co_await promote_proven();
     co_return After::next_turn;
   }
   auto undoing = services_.extensions.undo(caller_, extension.diagnosis);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(undoing));
   unproved_.reset();
-  reason_ = verdict.worse.empty()
-                ? fmt::format("fresh points do not show the gain of diagnosis {}: it was undone",
-                              extension.diagnosis.value)
-                : fmt::format("fresh points are worse with it, {}: diagnosis {}: it was undone",
-                              verdict.worse, extension.diagnosis.value);
+  const auto undone = fmt::format("diagnosis {}: it was undone", extension.diagnosis.value);
+  if (!verdict.judged)
+    reason_ = "fresh points cannot judge the gain (" + why_unjudged(by_after) + ") of " + undone;
+  else if (verdict.worse.empty())
+    reason_ = fmt::format("fresh points do not show the gain of {}", undone);
+  else
+    reason_ = fmt::format("fresh points are worse with it, {}: {}", verdict.worse, undone);
   say(reason_);
   co_return After::end;
 }

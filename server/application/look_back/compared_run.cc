@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "server/application/motion/datum_opening.h"
-#include "server/core/data/row_marks.h"
 
 namespace driftwise::application {
 namespace {
@@ -107,7 +106,7 @@ void add_measured(const Dataset& data, std::span<const DatumRecord> datums, Comp
     series.unit = pose ? summary.unit : "K";
     double first = kMissing;
     for (std::size_t row = 0; row < data.rows; ++row) {
-      if (is_passage(data, row)) continue;
+      if (data.is_excluded(row)) continue;
       if (pose && (data.zero.empty() || data.zero[row] == 0)) continue;
       const double value = column.values[row] * summary.factor - (length ? way.at(row) : 0);
       if (is_missing(value)) continue;
@@ -130,7 +129,7 @@ void add_residuals(const ModelResiduals& residuals, ComparedRun& out) {
     series.name = output.channel.symbol;
     series.unit = summary_unit(output.channel.unit).unit;
     for (std::size_t row = 0; row < data.rows; ++row) {
-      if (is_missing(output.values[row])) continue;
+      if (data.is_excluded(row) || is_missing(output.values[row])) continue;
       series.hours.push_back((data.time_s[row] - data.time_s.front()) / 3600);
       series.values.push_back(output.values[row]);
     }

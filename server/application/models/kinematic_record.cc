@@ -180,6 +180,19 @@ void add_domain(const Dataset& data, const Mechanism& robot, calibration::Model&
         if (const auto* column = data.find(symbol)) add(column->channel);
 }
 
+// Numbers that no robot file may state are no robot's: signs, order or units of the rows are wrong.
+// They are held against the ranges of the file, which is how a model keeps its robot.
+Result<void> check_plausible(const KinematicsDescription& robot, std::int64_t rows) {
+  const auto read = formats::parse_robot_file(formats::write_robot_file(robot), "identified robot");
+  if (read) return {};
+  return fail(ErrorCode::failed_precondition, reasons::kBadKinematics,
+              fmt::format("identified on {} rows, this is no robot that a robot file can describe, "
+                          "so nothing is stored: {}; compare with the drawing the signs of the "
+                          "measured lengths and of the motors, the order of the motors, and the "
+                          "units of the rows",
+                          rows, read.error().message));
+}
+
 Result<calibration::Model> model_of(const Dataset& data, const identification::Judgement& judged,
                                     const KinematicRequest& request, calibration::Lineage lineage) {
   const auto& found = *judged.fitted.kinematics;
@@ -206,17 +219,24 @@ Result<calibration::Model> model_of(const Dataset& data, const identification::J
       kinematics::with_values(*found.mechanism, found.values()), {}, found.covariance};
   for (const auto& [parameter, value, standard_error, free, note] : found.parameters)
     geometry.parameters.push_back({parameter.name, value, standard_error, free, note});
+  DRIFTWISE_RETURN_IF_ERROR(check_plausible(geometry.robot, judged.rows_calibration));
   model.geometry = std::move(geometry);
   DRIFTWISE_RETURN_IF_ERROR(identification::add_pose_influences(data, found, model));
   return model;
 }
 
-ModelRecord record_of(const calibration::Model& model, const KinematicRequest& request) {
+// Record of a model that reads back: one that does not would be in the database for good.
+Result<ModelRecord> record_of(const calibration::Model& model, const KinematicRequest& request) {
   ModelRecord record;
   record.name = request.fit.name.empty() ? model.formula : request.fit.name;
   record.note = request.fit.note;
   record.json = formats::write_model_json(model);
   record.hash = formats::model_hash(model);
+  if (const auto back = formats::read_model_json(record.json); !back)
+    return fail(ErrorCode::failed_precondition, reasons::kBadKinematics,
+                fmt::format("the model made does not read back, so nothing is stored: {}; compare "
+                            "the numbers of the robot file and the units of the rows",
+                            back.error().message));
   return record;
 }
 
@@ -263,7 +283,10 @@ Result<KinematicFit> kinematic_record(const std::optional<Dataset>& data,
     return fail(ErrorCode::invalid_argument, reasons::kBadOptions,
                 std::string("joint errors are found on data of a serial-arm, found ") +
                     (data ? "a " + geometry.kind : "no data"));
-  if (!data) return KinematicFit{record_of(imported_model(*mechanism), request), {}};
+  if (!data) {
+    DRIFTWISE_TRY(auto record, record_of(imported_model(*mechanism), request));
+    return KinematicFit{std::move(record), {}};
+  }
 
   DRIFTWISE_TRY(auto options, method_options(*data, request));
   KinematicFit made;
@@ -283,7 +306,7 @@ Result<KinematicFit> kinematic_record(const std::optional<Dataset>& data,
   DRIFTWISE_TRY(const auto judged, identification::judge_method(
                                        *data, identification::Method::kinematic, options, judge));
   DRIFTWISE_TRY(const auto model, model_of(*data, judged, request, lineage));
-  made.model = record_of(model, request);
+  DRIFTWISE_TRY(made.model, record_of(model, request));
   return made;
 }
 

@@ -31,8 +31,9 @@ struct KinematicFit {
 // data: as request.has_data(). Errors: those of parse_robot_file and identification::judge_method;
 // failed_precondition NO_KINEMATICS (the cell file has no [kinematics]), OTHER_ROBOT (another kind
 // of robot, other motors, motors that the cell has no axis for, or lengths and angles that differ
-// from the cell's drawing by more than a robot does); invalid_argument BAD_OPTIONS (joint_errors
-// without an arm or without data).
+// from the cell's drawing by more than a robot does), BAD_KINEMATICS (identified numbers that no
+// robot file may state, or a model that does not read back); invalid_argument BAD_OPTIONS
+// (joint_errors without an arm or without data).
 Result<KinematicFit> kinematic_record(const std::optional<Dataset>& data,
                                       const KinematicRequest& request, const CellDescription& cell);
 

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 
+#include "server/application/datasets/amended_dataset.h"
 #include "server/application/models/formula_check.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/models/models_service.h"
@@ -13,6 +14,7 @@
 #include "server/calibration/design/predict.h"
 #include "server/calibration/model/model_units.h"
 #include "server/core/data/measured_by.h"
+#include "server/core/data/stated_lines.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -32,7 +34,9 @@ bool fitted_to(const calibration::Lineage& lineage, const Dataset& data,
   if (dataset_hash == lineage.dataset_hash) return true;
   if (!lineage.measured_by.empty()) return false;
   Dataset unstated = data;
-  std::erase_if(unstated.metadata, [](const auto& line) { return line.first == kMeasuredByKey; });
+  std::erase_if(unstated.metadata, [](const auto& line) {
+    return line.first == kMeasuredByKey || line.first == kLeftOutKey;
+  });
   return unstated.metadata.size() < data.metadata.size() &&
          formats::content_hash(formats::write_dataset_csv(unstated)) == lineage.dataset_hash;
 }
@@ -98,7 +102,8 @@ Result<Carried> carried_to(const calibration::Model& model, diagnosis::RunToChec
 // Everything that residuals are made of.
 struct Rows {
   Dataset asked;
-  std::vector<RunId> runs;  // of asked; empty: rows of a text
+  std::vector<RunId> runs;                     // of asked; empty: rows of a text
+  std::vector<correction::RowOrigin> origins;  // of asked
   std::optional<Dataset>
       own;  // all rows that the model was fitted to; none: asked has none, or all
   std::vector<diagnosis::RunToCheck> others;
@@ -167,6 +172,7 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Rows rows) 
       error *= summary_unit(output.channel.unit).factor;
   }
   found.data = std::move(rows.asked);
+  found.origins = std::move(rows.origins);
   return found;
 }
 
@@ -201,7 +207,13 @@ Awaitable<Result<ModelResiduals>> ModelsService::residuals(ModelId id, std::vect
   DRIFTWISE_CO_TRY(auto sets, co_await datasets_.set_names(runs, csv));
   Rows rows;
   rows.runs = runs;
-  DRIFTWISE_CO_TRY(rows.asked, co_await datasets_.load(runs, std::move(csv)));
+  if (csv.empty()) {
+    DRIFTWISE_CO_TRY(auto asked, co_await reader_.call(amended_data, runs));
+    rows.asked = std::move(asked.data);
+    rows.origins = std::move(asked.origins);
+  } else {
+    DRIFTWISE_CO_TRY(rows.asked, co_await datasets_.load(runs, std::move(csv)));
+  }
   const auto& fitted = read.lineage.runs;
   if (runs != fitted) {
     std::vector<RunId> others;

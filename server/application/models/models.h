@@ -14,6 +14,7 @@
 #include "server/core/ports/awaitable.h"
 #include "server/core/records/records.h"
 #include "server/core/result.h"
+#include "server/correction/data_amendment.h"
 
 namespace driftwise::application {
 
@@ -35,6 +36,9 @@ struct ModelResiduals {
   // Runs that the model was not fitted to and of which a zero is not known: the mean of the rows of
   // each of their datums is taken out, as a fit would do.
   std::vector<RunId> mean_taken_out = {};
+  // Run and row of its plan, one per row: what a person is told and what rows are kept out by.
+  // Empty: rows of a text.
+  std::vector<correction::RowOrigin> origins = {};
 };
 
 class Models {

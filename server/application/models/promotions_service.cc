@@ -25,6 +25,10 @@ ServedInOrder<ModelId> models_served(const std::vector<PromotionRecord>& history
   return served;
 }
 
+std::string named(std::optional<ModelId> model) {
+  return model ? fmt::format("model {}", model->value) : std::string("no model");
+}
+
 }  // namespace
 
 Awaitable<Result<void>> PromotionsService::put_in_service(Caller caller,
@@ -71,18 +75,24 @@ Awaitable<Result<void>> PromotionsService::keep_reason(Caller caller, ModelId id
 }
 
 Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId id, bool confirmed,
-                                                          std::string reason) {
+                                                          std::string reason,
+                                                          std::optional<Seen> seen) {
   auto record = co_await models_.get(id);
   if (!record || serving_.model() == id) co_return record;  // it serves already
   auto looking = provenance_.ground_of_model(id);
   DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
   if (!confirmed) DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(ground.promotion_questions));
   if (reason.empty()) DRIFTWISE_CO_RETURN_IF_ERROR(reason_for(ground.questions_for_a_reason));
+  const auto held = co_await turn();
+  if (seen && serving_.model() != seen->serving)
+    co_return fail(ErrorCode::failed_precondition, reasons::kStale,
+                   fmt::format("{} serves by now, where {} was seen to serve: model {} was not "
+                               "promoted; look at what serves, then promote it again",
+                               named(serving_.model()), named(seen->serving), id.value));
   for (const auto& question : ground.promotion_questions)
     events_.record(
         caller, "model.confirmed",
         fmt::format("{} promotes model {} although {}", caller.name, id.value, question));
-  const auto held = co_await turn();
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(caller, *record, "promote"));
   if (!reason.empty())
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep_reason(std::move(caller), id, std::move(reason)));
@@ -114,9 +124,7 @@ Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::roll_back(
         ErrorCode::failed_precondition, reasons::kStale,
         fmt::format("{} serves by now, where model {} was to be taken back: nothing was rolled "
                     "back; look at the list of promotions, then try again",
-                    serving_.model() ? fmt::format("model {}", serving_.model()->value)
-                                     : std::string("no model"),
-                    from->value));
+                    named(serving_.model()), from->value));
   auto finding = served_before();
   auto previous = co_await std::move(finding);
   if (!previous) co_return previous;

@@ -31,7 +31,7 @@ class PromotionsService final : public Promotions {
         served_another_(std::move(served_another)) {}
 
   Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed,
-                                         std::string reason) override;
+                                         std::string reason, std::optional<Seen> seen) override;
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller,
                                                           std::optional<ModelId> from) override;
 

@@ -35,6 +35,11 @@ class Plans {
  public:
   virtual ~Plans() = default;
 
+  // What a caller saw serve before asking for another one; none: no plan did.
+  struct Seen {
+    std::optional<PlanId> serving;
+  };
+
   // Errors: those of formats::read_plan_file and PlanStore::add_plan.
   virtual Awaitable<Result<PlanRecord>> add(Caller caller, std::string text, std::string note,
                                             std::string request_id) = 0;
@@ -45,8 +50,9 @@ class Plans {
   virtual Awaitable<Result<PlanReport>> check(std::optional<PlanId> id, std::string text) = 0;
   // The plan that serves already is answered as it is: nothing is asked, nothing written.
   // confirmed: a person has read the questions. Errors: those of PlanCheck::refusal;
-  // NEEDS_CONFIRMATION; PLAN_DAMAGED.
-  virtual Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed) = 0;
+  // NEEDS_CONFIRMATION; PLAN_DAMAGED; STALE (another serves than was seen).
+  virtual Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed,
+                                                std::optional<Seen> seen = {}) = 0;
   // To the plan that served before; none: no plan serves. from: the one that the caller saw
   // serve. Errors: failed_precondition NOTHING_TO_ROLL_BACK; STALE (another than `from` serves).
   virtual Awaitable<Result<std::optional<PlanRecord>>> roll_back(

@@ -212,7 +212,8 @@ Awaitable<Result<void>> PlansService::put_in_service(Caller caller, std::optiona
   co_return Result<void>{};
 }
 
-Awaitable<Result<PlanRecord>> PlansService::promote(Caller caller, PlanId id, bool confirmed) {
+Awaitable<Result<PlanRecord>> PlansService::promote(Caller caller, PlanId id, bool confirmed,
+                                                    std::optional<Seen> seen) {
   DRIFTWISE_CO_TRY(auto record, co_await reader_.plans().plan(id));
   if (serving_.plan() == id) co_return record;  // it serves already
   auto checking = check(id, {});
@@ -225,10 +226,17 @@ Awaitable<Result<PlanRecord>> PlansService::promote(Caller caller, PlanId id, bo
   }
   const auto questions = report.check.questions();
   if (!confirmed) DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(questions));
+  const auto held = co_await changing_.lock();
+  if (seen && serving_.plan() != seen->serving)
+    co_return fail(
+        ErrorCode::failed_precondition, reasons::kStale,
+        fmt::format("{} serves by now, where {} was seen to serve: plan {} was not promoted; look "
+                    "at what serves, then promote it again",
+                    serving_.plan() ? plan_name(serving_.plan()) : "no plan",
+                    seen->serving ? plan_name(seen->serving) : "no plan", id.value));
   for (const auto& question : questions)
     events_.record(caller, "plan.confirmed",
                    fmt::format("{} promotes plan {} although {}", caller.name, id.value, question));
-  const auto held = co_await changing_.lock();
   auto putting = put_in_service(std::move(caller), record, "promote");
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(putting));
   co_return record;

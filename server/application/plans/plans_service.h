@@ -37,7 +37,8 @@ class PlansService final : public Plans {
   Awaitable<Result<PlanList>> list() override;
   Awaitable<Result<PlanView>> get(PlanId id) override;
   Awaitable<Result<PlanReport>> check(std::optional<PlanId> id, std::string text) override;
-  Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed) override;
+  Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed,
+                                        std::optional<Seen> seen) override;
   Awaitable<Result<std::optional<PlanRecord>>> roll_back(Caller caller,
                                                          std::optional<PlanId> from) override;
 

@@ -9,6 +9,7 @@
 #include "server/core/reasons.h"
 #include "server/core/records/wanted_accuracy.h"
 #include "server/effects/term_order.h"
+#include "server/kinematics/mechanism.h"
 
 namespace driftwise::application {
 namespace {
@@ -43,12 +44,10 @@ std::vector<std::string> symbols_used(const calibration::Model& model) {
       for (const auto& symbol : effects::symbols_of(term)) add(symbol);
   }
   if (!model.geometry) return symbols;
-  const auto& robot = model.geometry->robot;
-  for (const auto& branch : robot.branches) add(branch.motor.symbol);
-  for (const auto& axis : robot.axes) add(axis.motor.symbol);
-  for (const auto& link : robot.links) {
-    add(link.motor.symbol);
-    if (!link.errors.drift_channel.symbol.empty()) add(link.errors.drift_channel.symbol);
+  // Of a delta or an axis the pose is an input, of an arm an output; either way it was measured.
+  if (const auto made = kinematics::make_mechanism(model.geometry->robot)) {
+    for (const auto& channel : (*made)->inputs()) add(channel.symbol);
+    for (const auto& channel : (*made)->outputs()) add(channel.symbol);
   }
   return symbols;
 }

@@ -38,7 +38,8 @@ std::vector<std::string> accuracy_questions(const calibration::Model& model,
 // A robot file as it was imported, which no data judged.
 std::vector<std::string> imported_geometry_questions(const calibration::Model& model);
 
-// Symbols that the model's included terms and outputs read, each once.
+// Symbols of what the model reads or was identified from, each once: its outputs, its included
+// terms and, of a geometry, the pose, the motors and the thermometers of its joints' drifts.
 std::vector<std::string> symbols_used(const calibration::Model& model);
 
 // Errors: failed_precondition NEEDS_CONFIRMATION, where there is a question.

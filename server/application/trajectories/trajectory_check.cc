@@ -32,8 +32,8 @@ void add_warnings(TrajectoryCheck& check) {
     check.warnings.push_back("no calibration rows: nothing can be fitted to this run alone");
   if (check.zeros == 0)
     check.warnings.push_back(
-        "no returns to zero: the axis returns after each line by itself, and these take no row of "
-        "the data");
+        "no returns to zero: the axis returns after each line by itself; each such return is a "
+        "passage in the data and in no fit");
 }
 
 // What a fit could not tell apart afterwards.

@@ -29,7 +29,12 @@ struct Variables {
   std::vector<std::string> stored_effects;  // by notation, in the order of storage
 };
 
-std::string row_text(const Dataset& dataset, std::size_t row) {
+// Of a fit of runs the instant names the row: its place in the dataset is no row of a plan, for
+// passages stand in between.
+std::string row_text(const Dataset& dataset, const std::vector<RunId>& runs, std::size_t row) {
+  if (!runs.empty() && !dataset.time_s.empty())
+    return "run " + std::to_string(dataset.run.empty() ? runs.front().value : dataset.run[row]) +
+           ", the row at time_s " + effects::number_text(dataset.time_s[row]) + " of its export";
   std::string text = "row " + std::to_string(row + 1);
   if (!dataset.time_s.empty())
     text += " (time_s " + effects::number_text(dataset.time_s[row]) + ")";
@@ -134,14 +139,14 @@ Result<Columns> collect_columns(const Dataset& dataset, const std::vector<Term>&
 enum class RowState { complete, missing };
 
 Result<RowState> row_state(
-    const Dataset& dataset,
+    const Dataset& dataset, const std::vector<RunId>& runs,
     const std::vector<std::pair<std::string, std::span<const double>>>& needed, std::size_t row) {
   RowState state = RowState::complete;
   for (const auto& [name, values] : needed) {
     if (std::isnan(values[row])) state = RowState::missing;
     if (std::isinf(values[row]))
       return fail(ErrorCode::invalid_argument, reasons::kBadValue,
-                  row_text(dataset, row) + ": " + name +
+                  row_text(dataset, runs, row) + ": " + name +
                       " is infinite; expected a number, or an empty field");
   }
   return state;
@@ -250,9 +255,12 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   Design design;
   design.constant = options.candidates.constant;
   const std::vector<double> ordinals = datum_ordinals(dataset);
+  const std::size_t end =
+      options.first_rows > 0
+          ? end_of_first_rows(dataset, static_cast<std::size_t>(options.first_rows))
+          : dataset.rows;
   const auto calibrates = [&](std::size_t row) {
-    return dataset.set_of(row) == PointSet::calibration && !dataset.is_excluded(row) &&
-           (options.first_rows <= 0 || row < static_cast<std::size_t>(options.first_rows));
+    return dataset.set_of(row) == PointSet::calibration && !dataset.is_excluded(row) && row < end;
   };
   std::vector<std::span<const double>> outputs;
   std::vector<std::pair<std::string, std::span<const double>>> needed;
@@ -303,13 +311,14 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
       continue;  // beyond first_rows
     RowState state = RowState::complete;
     if (clean[row] == 0) {
-      DRIFTWISE_TRY(const auto seen, row_state(dataset, needed, row));
+      DRIFTWISE_TRY(const auto seen, row_state(dataset, options.lineage.runs, needed, row));
       state = seen;
     }
     if (!weights.empty() && weights[row] < 0)
       return fail(ErrorCode::invalid_argument, reasons::kBadValue,
-                  row_text(dataset, row) + ": weight " + options.weight_symbol + " is " +
-                      effects::number_text(weights[row]) + "; expected 0 or more");
+                  row_text(dataset, options.lineage.runs, row) + ": weight " +
+                      options.weight_symbol + " is " + effects::number_text(weights[row]) +
+                      "; expected 0 or more");
     if (state == RowState::missing) {
       ++design.dropped;
     } else if (!calibration) {

@@ -33,6 +33,15 @@ void keep_rows(Dataset& dataset, const std::vector<std::size_t>& rows) {
 
 }  // namespace
 
+std::size_t count_kept_out(const Dataset& dataset) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      dataset.excluded, [](auto mark) { return mark != kInUse && mark != kPassageRow; }));
+}
+
+std::size_t count_rows_of_plan(const Dataset& dataset) {
+  return dataset.rows - static_cast<std::size_t>(std::ranges::count(dataset.excluded, kPassageRow));
+}
+
 void leave_excluded_out(Dataset& dataset) {
   if (dataset.excluded.empty()) return;
   std::vector<std::size_t> rows;
@@ -51,6 +60,14 @@ std::vector<std::size_t> leave_passages_out(Dataset& dataset) {
   if (std::ranges::count(dataset.excluded, kInUse) == std::ssize(dataset.excluded))
     dataset.excluded.clear();
   return rows;
+}
+
+std::size_t end_of_first_rows(const Dataset& dataset, std::size_t count) {
+  if (dataset.excluded.empty()) return std::min(count, dataset.rows);
+  std::size_t end = 0;
+  for (std::size_t seen = 0; end < dataset.rows && seen < count; ++end)
+    if (!is_passage(dataset, end)) ++seen;
+  return end;
 }
 
 }  // namespace driftwise

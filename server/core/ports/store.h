@@ -54,8 +54,9 @@ class RunStore {
   // first point; an imported run has no instants of its own and follows after the measured ones.
   // Columns: q, q_cmd, pose, _std_, structure temperatures, others. run and datum are given where
   // there is more than one of them, excluded where a row is. metadata: that of the file when it is
-  // one imported run, else none. Errors: not_found NO_SUCH_RUN; invalid_argument BAD_RUNS,
-  // UNITS_DISAGREE (one of the runs gives a symbol in a unit that another run does not).
+  // one imported run; of several, what they state together (core/data/stated_lines.h); else none.
+  // Errors: not_found NO_SUCH_RUN; invalid_argument BAD_RUNS, METADATA_DISAGREE, UNITS_DISAGREE
+  // (one of the runs gives a symbol in a unit that another run does not).
   virtual Result<Dataset> dataset(std::span<const RunId> runs) = 0;
 };
 

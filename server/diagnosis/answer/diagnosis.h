@@ -103,6 +103,12 @@ struct DiagnoseOptions {
   // Called here, in the thread of diagnose(), at least every 100 ms: how far it is (0 to 1, never
   // backwards) and what it does. false: cancel.
   std::function<bool(double fraction, const std::string& step)> progress;
+  // Name of a row of the dataset, for sentences. None: "row 17" by its place, as in a file.
+  std::function<std::string(std::size_t row)> row_name;
+
+  std::string name_of_row(std::size_t row) const {
+    return row_name ? row_name(row) : "row " + std::to_string(row + 1);
+  }
 };
 
 }  // namespace driftwise::diagnosis

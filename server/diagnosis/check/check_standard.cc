@@ -8,6 +8,7 @@
 #include "server/calibration/model/fit_options.h"
 #include "server/calibration/report/residual_statistics.h"
 #include "server/core/data/accuracy.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/units.h"
 #include "server/diagnosis/answer/shares.h"
 #include "server/diagnosis/check/check_memory.h"
@@ -198,8 +199,7 @@ OutputCheck check_output(const calibration::Model& model, const calibration::Out
       continue;
     }
     const RunToCheck& run = *runs[i];
-    for (std::size_t row = 0; row < run.data.rows; ++row)
-      point.excluded += run.data.is_excluded(row) ? 1 : 0;
+    point.excluded = static_cast<std::int64_t>(count_kept_out(run.data));
     const auto errors = run_errors(output, model.lineage.rows_calibration, run);
     if (!errors) {
       point.why_not = errors.error().message;

@@ -11,6 +11,7 @@
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
+#include "server/core/unit_conversion.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -19,10 +20,48 @@ constexpr std::string_view kTarget = "_target";
 
 struct Coordinate {
   const DatasetColumn* measured = nullptr;
-  const DatasetColumn* target = nullptr;
+  std::vector<double> targets;    // in the measured channel's unit
+  std::vector<double> positions;  // the same, as runs are compared by: see comparable
 };
 
+// Wanted coordinates by symbol, comparable.
+using Position = std::map<std::string, double>;
+
 std::string run_name(RunId run) { return "run " + std::to_string(run.value); }
+
+// Unit that targets of one kind are compared in, whatever unit a run states them in.
+std::string unit_of_positions(const std::string& unit) {
+  return unit == "degC" ? "K" : summary_unit(unit).unit;
+}
+
+// Steps of a thousandth of a nanometre or millionth of an arcsecond: 35 mm and 0.035 m are one
+// position, though 0.035 * 1e9 is not 35000000 to the last bit.
+double comparable(double value, const std::string& unit) {
+  const double per_unit = is_length(unit) ? 1e3 : 1e6;
+  return std::round(value * per_unit);
+}
+
+// Errors: UNITS_DISAGREE (units of two kinds).
+Result<Coordinate> coordinate_of(const RunToVerify& run, const DatasetColumn& measured,
+                                 const DatasetColumn& target) {
+  const auto to_measured = unit_conversion(target.channel.unit, measured.channel.unit);
+  if (!to_measured)
+    return fail(ErrorCode::invalid_argument, reasons::kUnitsDisagree,
+                run_name(run.run) + " gives " + target.channel.symbol + " in " +
+                    target.channel.unit + " and " + measured.channel.symbol + " in " +
+                    measured.channel.unit +
+                    ", which cannot be converted: expected target and measurement in units of one "
+                    "kind, such as mm and um; import the file with a mapping that names the unit "
+                    "(docs/import.md)");
+  const std::string unit = unit_of_positions(target.channel.unit);
+  DRIFTWISE_TRY(const auto to_position, unit_conversion(target.channel.unit, unit));
+  Coordinate found{&measured, {}, {}};
+  for (const double value : target.values) {
+    found.targets.push_back((*to_measured)(value));
+    found.positions.push_back(comparable(to_position(value), unit));
+  }
+  return found;
+}
 
 Result<std::vector<Coordinate>> coordinates_of(const RunToVerify& run) {
   std::vector<Coordinate> found;
@@ -31,10 +70,12 @@ Result<std::vector<Coordinate>> coordinates_of(const RunToVerify& run) {
     const std::string& symbol = column.channel.symbol;
     if (!symbol.ends_with(kTarget)) continue;
     const std::string axis = symbol.substr(0, symbol.size() - kTarget.size());
-    if (const auto* measured = run.data.find(axis))
-      found.push_back({measured, &column});  // a set-up measures some of the coordinates
-    else
+    if (const auto* measured = run.data.find(axis)) {  // a set-up measures some of the coordinates
+      DRIFTWISE_TRY(auto coordinate, coordinate_of(run, *measured, column));
+      found.push_back(std::move(coordinate));
+    } else {
       unmeasured += (unmeasured.empty() ? "" : ", ") + column.channel.name();
+    }
   }
   if (!found.empty()) return found;
   if (!unmeasured.empty())
@@ -44,8 +85,11 @@ Result<std::vector<Coordinate>> coordinates_of(const RunToVerify& run) {
   // One axis: the position wanted is the motor coordinate commanded.
   const auto *x = run.data.find("x"), *commanded = run.data.find("q1_cmd");
   if (x != nullptr && commanded != nullptr && run.data.find("q2") == nullptr &&
-      run.data.find("y") == nullptr)
-    return std::vector<Coordinate>{{x, commanded}};
+      run.data.find("y") == nullptr) {
+    DRIFTWISE_TRY(auto coordinate, coordinate_of(run, *x, *commanded));
+    found.push_back(std::move(coordinate));
+    return found;
+  }
   return fail(ErrorCode::invalid_argument, reasons::kNoTargets,
               run_name(run.run) +
                   " has no wanted poses (columns x_target_mm ...): verify a run of a trajectory of "
@@ -150,8 +194,8 @@ Result<std::vector<std::vector<double>>> shares_of_holding(
 
 struct RunRows {
   VerifiedRun run;
-  std::vector<std::size_t> rows;               // of the dataset
-  std::vector<std::vector<double>> positions;  // wanted, per row
+  std::vector<std::size_t> rows;    // of the dataset
+  std::vector<Position> positions;  // wanted, per row
 };
 
 Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model* range) {
@@ -163,7 +207,7 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
   for (std::size_t row = 0; row < run.data.rows; ++row) {
     if (run.data.is_excluded(row)) continue;
     const bool whole = std::ranges::all_of(coordinates, [row](const Coordinate& one) {
-      return std::isfinite(one.measured->values[row]) && std::isfinite(one.target->values[row]);
+      return std::isfinite(one.measured->values[row]) && std::isfinite(one.targets[row]);
     });
     if (!whole) continue;
     if (!run.data.zero.empty() && run.data.zero[row] != 0) {
@@ -172,7 +216,7 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
     }
     judged.rows.push_back(row);
     auto& position = judged.positions.emplace_back();
-    for (const auto& one : coordinates) position.push_back(one.target->values[row]);
+    for (const auto& one : coordinates) position[one.measured->channel.symbol] = one.positions[row];
   }
   if (judged.rows.size() < 2)
     return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
@@ -185,13 +229,14 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
   for (const std::size_t row : judged.rows) judged.run.rows_outside += outside.is_outside[row];
   DRIFTWISE_TRY(const auto shares, shares_of_holding(run, coordinates, judged.rows));
   for (std::size_t k = 0; k < coordinates.size(); ++k) {
-    const auto& [measured, target] = coordinates[k];
-    const SummaryUnit summary = summary_unit(measured->channel.unit);
-    VerifiedCoordinate one{measured->channel, summary.unit, {}, {}, {}, {}, {}, 0, 0};
+    const auto& channel = coordinates[k].measured->channel;
+    const auto& measured = coordinates[k].measured->values;
+    const SummaryUnit summary = summary_unit(channel.unit);
+    VerifiedCoordinate one{channel, summary.unit, {}, {}, {}, {}, {}, 0, 0};
     one.errors.assign(run.data.rows, kMissing);
     std::vector<double> inside, beyond, all, by_model;
     for (const std::size_t row : judged.rows) {
-      const double error = (target->values[row] - measured->values[row]) * summary.factor;
+      const double error = (coordinates[k].targets[row] - measured[row]) * summary.factor;
       one.errors[row] = error;
       all.push_back(error);
       (outside.is_outside[row] != 0 ? beyond : inside).push_back(error);
@@ -211,16 +256,18 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
   return judged;
 }
 
-const VerifiedCoordinate* coordinate_named(const VerifiedRun& run, const Channel& channel) {
+// The same coordinate of another run, whose figures are in the same summary unit; the units that
+// the two were measured in may differ.
+const VerifiedCoordinate* same_coordinate(const VerifiedRun& run, const VerifiedCoordinate& as) {
   for (const auto& one : run.coordinates)
-    if (one.channel == channel) return &one;
+    if (one.channel.symbol == as.channel.symbol && one.unit == as.unit) return &one;
   return nullptr;
 }
 
 VerifiedChange change_of(const RunRows& run, const RunRows& against) {
   VerifiedChange change{run.run.run, against.run.run, 0, {}};
-  // By what was wanted, which both trajectories state to the last digit; repeats by their count.
-  std::map<std::vector<double>, std::vector<std::size_t>> visits;
+  // By what was wanted, which both trajectories state; repeats by their count.
+  std::map<Position, std::vector<std::size_t>> visits;
   for (std::size_t i = 0; i < against.rows.size(); ++i)
     visits[against.positions[i]].push_back(against.rows[i]);
   std::vector<std::size_t> own, other;
@@ -240,7 +287,7 @@ VerifiedChange change_of(const RunRows& run, const RunRows& against) {
     return error_figures(errors);
   };
   for (const auto& one : run.run.coordinates) {
-    const auto* before = coordinate_named(against.run, one.channel);
+    const auto* before = same_coordinate(against.run, one);
     JudgedAccuracy judged{one.channel.symbol, one.unit, JudgedRows::fresh, figures(one, own_rows),
                           std::nullopt};
     if (before != nullptr) judged.before = figures(*before, other_rows);

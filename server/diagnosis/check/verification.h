@@ -1,8 +1,9 @@
 #pragma once
 // What compensation achieved: target minus measured of every point of a run, per pose coordinate.
 //
-// The target of a point is its column "x_target_mm" (every run of a trajectory of poses has it); of
-// a run of motor coordinates with one axis it is what was commanded, "q1_cmd_mm" for "x_mm". Poses
+// The target of a point is its column "x_target_mm" (every run of a trajectory of poses has it), in
+// any unit of the measurement's kind; of a run of motor coordinates with one axis it is what was
+// commanded, "q1_cmd_mm" for "x_mm". Poses
 // count from the run's own zero, as the instruments do. Returns to zero are left out: they are
 // where the zero was taken. Rows that a person keeps out are left out.
 
@@ -64,8 +65,8 @@ struct Verification {
 
 // range: whose range says inside and outside; null: each run's own model, else that of the first
 // run that has one. Errors: invalid_argument NO_TARGETS (a run without wanted poses),
-// UNKNOWN_CHANNEL (none of its coordinates was measured), UNITS_DISAGREE (with a model's),
-// TOO_FEW_ROWS (fewer than 2 points but returns to zero).
+// UNKNOWN_CHANNEL (none of its coordinates was measured), UNITS_DISAGREE (target and measurement,
+// or with a model's, cannot be converted), TOO_FEW_ROWS (fewer than 2 points but returns to zero).
 Result<Verification> verify_runs(std::span<const RunToVerify> runs,
                                  const calibration::Model* range);
 

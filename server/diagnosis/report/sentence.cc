@@ -185,9 +185,9 @@ std::string size_text(double value, const std::string& unit) {
   return three_digits(value) + " " + unit;
 }
 
-std::string sentence(const FaultySensor& sensor) {
+std::string sentence(const FaultySensor& sensor, const std::string& first_row) {
   const auto count = std::to_string(sensor.rows.size());
-  const auto from = "row " + std::to_string(sensor.rows.front() + 1) + " on";
+  const auto from = first_row + " on";
   switch (sensor.fault) {
     case SensorFault::frozen:
       return "Sensor " + sensor.channel + " gives one and the same value in " + count +

@@ -9,7 +9,8 @@
 namespace driftwise::diagnosis {
 
 std::string sentence(const Finding& finding);
-std::string sentence(const FaultySensor& sensor);
+// first_row: name of the first of its rows, "row 17".
+std::string sentence(const FaultySensor& sensor, const std::string& first_row);
 std::string size_text(double value, const std::string& unit);  // three digits: "84.2 nm"
 
 // Periods that the places cannot tell from the finding's; empty where there are none.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/diagnosis/rows/problem.h"
 #include "server/effects/term_order.h"
@@ -35,9 +36,7 @@ std::size_t lacking(const Dataset& data, const DatasetColumn& column) {
 std::vector<std::string> losses(const Problem& problem) {
   const Dataset& data = problem.data();
   std::vector<std::string> result;
-  std::size_t left_out = 0;
-  for (std::size_t row = 0; row < data.rows; ++row) left_out += data.is_excluded(row) ? 1 : 0;
-  if (left_out > 0)
+  if (const std::size_t left_out = count_kept_out(data); left_out > 0)
     result.push_back(are(left_out) +
                      "left out (marked excluded, the same as an earlier row, or without a value "
                      "of a condition): take back the marks that are wrong");
@@ -73,7 +72,7 @@ Result<void> check_rows_needed(const Problem& problem) {
   return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
               "a diagnosis of this baseline needs " + count_text(wanted) +
                   " to learn from, and finds " + std::to_string(found) + " in data of " +
-                  count_text(problem.data().rows) + ": " +
+                  count_text(count_rows_of_plan(problem.data())) + ": " +
                   (why.empty() ? "measure more, or leave terms out of the baseline" : why));
 }
 
@@ -95,7 +94,7 @@ std::vector<std::string> rows_left_out(const Problem& problem) {
   std::vector<std::string> said;
   if (incomplete > 0)
     said.push_back(
-        std::to_string(incomplete) + " of " + std::to_string(data.rows) +
+        std::to_string(incomplete) + " of " + std::to_string(count_rows_of_plan(data)) +
         (incomplete == 1 ? " rows is left out: it lacks" : " rows are left out: they lack") +
         " a value of an output or of a term of the baseline");
   if (unknown > 0)

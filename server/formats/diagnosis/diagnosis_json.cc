@@ -36,7 +36,8 @@ Json parameters_json(const std::vector<diagnosis::FoundParameter>& parameters) {
   return list;
 }
 
-Json finding_json(const diagnosis::Finding& finding) {
+Json finding_json(const diagnosis::Finding& finding,
+                  const std::vector<correction::RowOrigin>& origins) {
   Json one;
   one["cause"] = finding.cause;
   one["applies_to"] = std::string(effects::to_string(finding.applies_to));
@@ -71,7 +72,11 @@ Json finding_json(const diagnosis::Finding& finding) {
   }
   if (!finding.rows.empty()) {
     one["rows"] = Json::array();
-    for (const std::size_t row : finding.rows) one["rows"].push_back(row + 1);
+    for (const std::size_t row : finding.rows) {
+      if (row < origins.size()) one["row_runs"].push_back(origins[row].run.value);
+      one["rows"].push_back(row < origins.size() ? origins[row].row + 1
+                                                 : static_cast<std::int64_t>(row) + 1);
+    }
   }
   one["p_adjusted"] = finding.p_adjusted;
   one["log_likelihood_ratio"] = finding.log_likelihood_ratio;
@@ -124,7 +129,8 @@ Json experiment_json(const std::optional<diagnosis::SeparatingExperiment>& exper
 
 }  // namespace
 
-Json diagnosis_json(const diagnosis::Diagnosis& d) {
+Json diagnosis_json(const diagnosis::Diagnosis& d,
+                    const std::vector<correction::RowOrigin>& origins) {
   Json json;
   json["schema"] = "driftwise.diagnosis.v1";
   if (const auto robot = robot_of_formula(d.baseline_formula); !robot.empty())
@@ -147,7 +153,7 @@ Json diagnosis_json(const diagnosis::Diagnosis& d) {
                                   output.mean_validation_after, output.a90_validation_after});
   }
   json["findings"] = Json::array();
-  for (const auto& finding : d.findings) json["findings"].push_back(finding_json(finding));
+  for (const auto& finding : d.findings) json["findings"].push_back(finding_json(finding, origins));
   json["left_over"] = Json::array();
   for (const auto& rest : d.left_over)
     json["left_over"].push_back({{"goes_with", rest.goes_with}, {"p_adjusted", rest.p_adjusted}});

@@ -168,8 +168,9 @@ std::string head_comment(const calibration::Model& model, const std::string& rob
          " * q: " +
          outputs +
          "\n"
-         " * Returned: 0, or a bit per input outside the fitted domain, in the order above, pose "
-         "first; q is given either way.\n"
+         " * Returned: 0, or a bit per input outside the fitted domain (0.5 % of its width on each "
+         "side is\n * still inside, as in the daemon), in the order above, pose first; q is given "
+         "either way.\n"
          " *\n"
          " * Compile without contraction of a * b + c (-std=c99, or -ffp-contract=off) to get the "
          "daemon's digits.\n"

@@ -1,5 +1,6 @@
 #include "server/formats/export/model_c_text.h"
 
+#include "server/compensation/snapshot.h"
 #include "server/core/channel.h"
 #include "server/formats/text/text.h"
 
@@ -42,8 +43,9 @@ std::string c_domain_tests(const CInputs& inputs, std::size_t first, std::size_t
   std::string code;
   for (std::size_t i = first; i < last; ++i) {
     const std::string value = inputs.expression(ranges[i].channel.symbol);
-    code += "  if (!(" + value + " >= " + c_literal(ranges[i].min) + " && " + value +
-            " <= " + c_literal(ranges[i].max) + ")) outside |= " + std::to_string(1u << i) +
+    const double slack = compensation::kDomainSlack * (ranges[i].max - ranges[i].min);
+    code += "  if (!(" + value + " >= " + c_literal(ranges[i].min - slack) + " && " + value +
+            " <= " + c_literal(ranges[i].max + slack) + ")) outside |= " + std::to_string(1u << i) +
             "; /* " + ranges[i].channel.name() + " */\n";
   }
   return code;

@@ -23,7 +23,8 @@ std::string c_power(const std::string& value, int exponent);
 
 std::string c_replaced(std::string text, const std::string& what, const std::string& by);
 
-// "if (!(pose[0] >= -1.0 && pose[0] <= 1.0)) outside |= 1;" for the inputs [first, last) of all().
+// "if (!(pose[0] >= -1.01 && pose[0] <= 1.01)) outside |= 1;" for the inputs [first, last) of
+// all(): the ranges -1 .. 1 with the slack that targets have (compensation::kDomainSlack).
 std::string c_domain_tests(const CInputs& inputs, std::size_t first, std::size_t last);
 
 }  // namespace driftwise::formats

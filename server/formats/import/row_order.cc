@@ -3,52 +3,81 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <vector>
 
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 
-// The first row after local time went back by the hour of summer time, or half of it: the only step
-// of the file that is not forward. Its stamp is behind the one before by that hour less the time
-// between the two rows, which is known by the largest step of the others alone: rows of 45 min step
-// back by 15, rows of an hour repeat a stamp.
-std::optional<std::size_t> RowTimes::row_of_clock_set_back() const {
-  constexpr std::int64_t kHour_ns = 3'600'000'000'000, kHalf_ns = kHour_ns / 2;
-  std::vector<std::size_t> back, same;
-  std::int64_t smallest_ns = std::numeric_limits<std::int64_t>::max(), largest_ns = 0;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (!rows_[i].local) return std::nullopt;
-    if (i == 0) continue;
-    const std::int64_t step_ns = (rows_[i].time - rows_[i - 1].time).count();
-    if (step_ns < 0) back.push_back(i);
-    if (step_ns == 0) same.push_back(i);
-    if (step_ns > 0) smallest_ns = std::min(smallest_ns, step_ns);
-    largest_ns = std::max(largest_ns, step_ns);
+namespace {
+
+constexpr std::int64_t kHour_ns = 3'600'000'000'000, kHalf_ns = kHour_ns / 2;
+constexpr std::int64_t kMinute_ns = kHour_ns / 60;
+
+}  // namespace
+
+// Steps of the file beyond its latest stamp so far: a late row's step back, and the one that
+// catches up, are none.
+std::vector<std::int64_t> RowTimes::forward_steps_ns() const {
+  std::vector<std::int64_t> steps;
+  if (rows_.empty()) return steps;
+  CellTime latest = rows_.front().time;
+  for (const Row& row : rows_) {
+    if (row.time > latest) steps.push_back((row.time - latest).count());
+    latest = std::max(latest, row.time);
   }
-  if (back.size() == 1) {
-    const std::size_t at = back.front();
-    const std::int64_t back_ns = (rows_[at - 1].time - rows_[at].time).count();
-    if (back_ns <= kHour_ns && back_ns + largest_ns >= kHalf_ns) return at;
+  return steps;
+}
+
+// Rows before which local time may have gone back by the hour of summer time, or half of it. Such a
+// stamp is behind the one before by that hour less the time between the two rows, which is known by
+// the other steps alone: rows of 45 min step back by 15, rows of an hour repeat a stamp. Each step
+// is judged by itself: a clock that was set right, or a late row, elsewhere in the file excuses
+// none. Where there are several, series that were joined out of order explain the shorter ones:
+// there the time between is that of most rows, and not of the longest pause.
+std::vector<std::size_t> RowTimes::rows_of_clock_set_back() const {
+  std::vector<std::size_t> found, same;
+  auto steps_ns = forward_steps_ns();
+  if (steps_ns.empty()) return found;
+  std::ranges::sort(steps_ns);
+  const std::int64_t smallest_ns = steps_ns.front(), largest_ns = steps_ns.back();
+  const std::int64_t median_ns = steps_ns[steps_ns.size() / 2];
+  std::size_t steps_back = 0;
+  for (std::size_t i = 1; i < rows_.size(); ++i) steps_back += rows_[i].time < rows_[i - 1].time;
+  for (std::size_t i = 1; i < rows_.size(); ++i) {
+    if (!rows_[i].local || !rows_[i - 1].local) continue;
+    const std::int64_t back_ns = (rows_[i - 1].time - rows_[i].time).count();
+    if (back_ns == 0) same.push_back(i);
+    if (back_ns <= 0 || back_ns > kHour_ns) continue;
+    // Less than a minute is left of the hour after a pause of just that length: too rare to refuse
+    // late rows of every file with a pause, unless its rows are that far apart as a rule.
+    const bool is_usual = back_ns < kMinute_ns || steps_back > 1;
+    const std::int64_t between_ns = is_usual ? median_ns : largest_ns;
+    if (back_ns + between_ns >= kHalf_ns) found.push_back(i);
   }
   // Rows of one stamp are common where the stamps are coarser than the rows, and only there.
-  const bool rare_rows = smallest_ns >= kHalf_ns && largest_ns > 0;
-  if (back.empty() && same.size() == 1 && rare_rows) return same.front();
-  return std::nullopt;
+  if (same.size() == 1 && smallest_ns >= kHalf_ns) found.push_back(same.front());
+  std::ranges::sort(found);
+  return found;
 }
 
 Result<RowTimes::Ordered> RowTimes::put_in_order(const TimeRules& rules,
                                                  const std::string& file_name) const {
-  if (const auto at = row_of_clock_set_back())
-    return fail(ErrorCode::invalid_argument, reasons::kTimeNotIncreasing,
-                at_line(file_name, rows_[*at].line) + "found the time " +
-                    to_iso8601(rows_[*at].time) + " after " + to_iso8601(rows_[*at - 1].time) +
-                    " in line " + std::to_string(rows_[*at - 1].line) +
-                    ", once in the file, by stamps without a zone: the clock may have been set "
-                    "back here (summer time?). Split the file before this line and import the "
-                    "first part with the utc_offset_h of summer, the second with one hour less (2 "
-                    "and 1 in central Europe); sorting or parting these rows would mix two hours. "
-                    "If the clock kept one time, write its zone behind the stamps (+01:00)");
+  if (const auto back = rows_of_clock_set_back(); !back.empty()) {
+    const Row &row = rows_[back.front()], &before = rows_[back.front() - 1];
+    return fail(
+        ErrorCode::invalid_argument, reasons::kTimeNotIncreasing,
+        at_line(file_name, row.line) + "found the time " + to_iso8601(row.time) + " after " +
+            to_iso8601(before.time) + " in line " + std::to_string(before.line) + ", " +
+            (back.size() == 1 ? "the one such step"
+                              : "the first of " + std::to_string(back.size()) + " such steps") +
+            " in the file, by stamps without a zone: the clock may have been set "
+            "back here (summer time?). Split the file before this line and import the "
+            "first part with the utc_offset_h of summer, the second with one hour less (2 "
+            "and 1 in central Europe); sorting or parting these rows would mix two hours. "
+            "If the clock kept one time, write its zone behind the stamps (+01:00)");
+  }
   Ordered out;
   out.rows.resize(rows_.size());
   std::iota(out.rows.begin(), out.rows.end(), std::size_t{0});

@@ -1,7 +1,7 @@
 #pragma once
 // The instants of a file's rows -> time_s, increasing over the whole dataset.
 
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -36,7 +36,8 @@ class RowTimes {
     std::size_t line;
     bool local;
   };
-  std::optional<std::size_t> row_of_clock_set_back() const;
+  std::vector<std::int64_t> forward_steps_ns() const;
+  std::vector<std::size_t> rows_of_clock_set_back() const;  // ascending
   std::vector<Row> rows_;
 };
 

@@ -95,6 +95,7 @@ Json points_json(const RunReport& report) {
       {"set", of([](const auto& p) { return p.set == PointSet::validation ? 1 : 0; })},
       {"zero", of([](const auto& p) { return p.zero ? 1 : 0; })},
       {"tries", of([&](const auto& p) { return tries[p.row]; })},
+      {"datum", of([](const auto& p) { return static_cast<double>(p.datum.value); })},
       {"columns", columns_json(report.points)}};
 }
 

@@ -24,8 +24,8 @@ void add_rows(const RowsOfRun& rows, v1::PreviewExtensionResponse& out) {
     while (end < rows.rows.size() && rows.rows[end] == rows.rows[end - 1] + 1) ++end;
     auto& range = *out.add_excluded();
     range.set_run_id(rows.run.value);
-    range.set_first_row(rows.rows[i]);
-    range.set_last_row(rows.rows[end - 1]);
+    range.set_first_row(shown_row(rows.rows[i]));
+    range.set_last_row(shown_row(rows.rows[end - 1]));
     i = end;
   }
 }

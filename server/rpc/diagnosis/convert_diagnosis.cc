@@ -167,7 +167,7 @@ v1::Diagnosis diagnosis_from(const application::DiagnosisView& view, DiagnosisDe
   if (view.found) {
     add_found(*view.found, detail, out);
     if (detail == DiagnosisDetail::whole)
-      out.set_json(utf8_from(formats::diagnosis_json(*view.found)
+      out.set_json(utf8_from(formats::diagnosis_json(*view.found, view.origins)
                                  .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
   }
   if (view.extension) *out.mutable_extension() = extension_from(*view.extension);

@@ -4,6 +4,8 @@
 
 #include "server/calibration/report/accuracy.h"
 #include "server/core/reasons.h"
+#include "server/core/units.h"
+#include "server/effects/term_order.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/model/coefficient_unit.h"
 #include "server/formats/model/model_json.h"
@@ -108,11 +110,32 @@ v1::Lineage lineage_from(const calibration::Lineage& lineage) {
   return out;
 }
 
-v1::KinematicModel kinematics_from(const calibration::Geometry& geometry, ModelDetail detail) {
+// The geometry in its first datum. An arm identified on several before 2026-12-02 stands in the
+// mean of them, and its constants bring it back: they move where its base stands.
+KinematicsDescription robot_of(const calibration::Model& model) {
+  KinematicsDescription robot = model.geometry->robot;
+  if (robot.kind != "serial-arm") return robot;
+  for (const auto& output : model.outputs)
+    for (const auto& term : output.terms)  // constants of other terms count from where those are 0
+      if (!term.is_constant() && !effects::datum_of(term)) return robot;
+  for (const auto& output : model.outputs)
+    for (std::size_t k = 0; k < output.terms.size(); ++k) {
+      if (!output.terms[k].is_constant()) continue;
+      const double mm = mm_from_nm(summary_unit(output.channel.unit).factor) *
+                        output.coefficients[static_cast<Eigen::Index>(k)];
+      if (output.channel.symbol == "x") robot.frame.x_mm += mm;
+      if (output.channel.symbol == "y") robot.frame.y_mm += mm;
+      if (output.channel.symbol == "z") robot.frame.z_mm += mm;
+    }
+  return robot;
+}
+
+v1::KinematicModel kinematics_from(const calibration::Model& model, ModelDetail detail) {
+  const auto& geometry = *model.geometry;
   v1::KinematicModel out;
   out.set_kind(geometry.robot.kind);
   if (detail == ModelDetail::summary) return out;
-  out.set_robot_toml(utf8_from(formats::write_robot_file(geometry.robot)));
+  out.set_robot_toml(utf8_from(formats::write_robot_file(robot_of(model))));
   for (const auto& parameter : geometry.parameters) {
     auto& added = *out.add_parameters();
     added.set_name(parameter.name);
@@ -183,7 +206,7 @@ Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> s
     added.set_min(range.min);
     added.set_max(range.max);
   }
-  if (model->geometry) *out.mutable_kinematics() = kinematics_from(*model->geometry, detail);
+  if (model->geometry) *out.mutable_kinematics() = kinematics_from(*model, detail);
   *out.mutable_lineage() = lineage_from(model->lineage);
   for (const auto& warning : model->warnings) out.add_warnings(warning);
   *out.mutable_fit_duration() = duration_from_s(model->fit_us * 1e-6);

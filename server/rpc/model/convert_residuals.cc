@@ -1,11 +1,14 @@
 #include "server/rpc/model/convert_residuals.h"
 
+#include <algorithm>
 #include <map>
 
 #include "server/core/data/accuracy.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/units.h"
 #include "server/effects/effect.h"
 #include "server/rpc/shared/convert_accuracy.h"
+#include "server/rpc/shared/convert_values.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -71,15 +74,22 @@ v1::CheckFormulaResponse formula_check_from(const application::FormulaCheck& che
 v1::ListResidualsResponse residuals_from(const application::ModelResiduals& residuals,
                                          std::size_t most_numbers) {
   const Dataset& data = residuals.data;
-  const std::size_t columns = data.columns.size() + 2 * residuals.outputs.size() + 4;
+  const std::size_t columns = data.columns.size() + 2 * residuals.outputs.size() + 8;
   const std::size_t step = data.rows * columns / most_numbers + 1;
   v1::ListResidualsResponse out;
   take_every(data.time_s, step, *out.mutable_time_s());
   take_every(data.line, step, *out.mutable_line());
+  take_every(data.zero, step, *out.mutable_zero());
+  const bool any_passage = std::ranges::find(data.excluded, kPassageRow) != data.excluded.end();
   for (std::size_t row = 0; row < data.rows; row += step) {
     out.add_validation(data.set_of(row) == PointSet::validation);
     out.add_excluded(data.is_excluded(row));
     if (!residuals.sets.empty()) out.add_sets(residuals.sets[row]);
+    if (any_passage) out.add_passage(is_passage(data, row));
+    if (!residuals.origins.empty()) {
+      out.add_row_runs(residuals.origins[row].run.value);
+      out.add_rows(shown_row(residuals.origins[row].row));
+    }
   }
   for (const auto& column : data.columns) {
     auto& added = *out.add_variables();

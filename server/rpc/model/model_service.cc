@@ -66,8 +66,7 @@ class ModelService final : public v1::ModelService::CallbackService {
       DRIFTWISE_CO_TRY(const auto corrections, co_await records_.extensions().corrections());
       for (const auto& record : records) {
         auto& model = *response->add_models();
-        if (auto good = put(model_from(record, serving, ModelDetail::summary), model); !good)
-          co_return good;
+        if (auto good = put(listed(record, serving), model); !good) co_return good;
         for (const auto& correction : corrections)
           if (std::ranges::find(record.corrections, correction.id) != record.corrections.end())
             *model.add_corrections() = mark_from(correction);
@@ -137,11 +136,19 @@ class ModelService final : public v1::ModelService::CallbackService {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(auto reason, line_from(request->reason(), kMostNoteBytes, "reason"));
       if (reason.find_first_not_of(' ') == std::string::npos) reason.clear();
+      std::optional<application::Promotions::Seen> seen;
+      if (request->has_serving_model_id()) {
+        const std::int64_t serving = request->serving_model_id();
+        if (auto good = check_id(serving, "serving_model_id"); serving != 0 && !good)
+          co_return good;
+        seen.emplace();
+        if (serving != 0) seen->serving = ModelId{serving};
+      }
       std::optional<ModelRecord> before;
       if (const auto serving = overview_.status().serving)
         if (auto record = co_await models_.get(*serving)) before = std::move(*record);
       auto promoting = promotions_.promote(caller_of(*context), ModelId{request->model_id()},
-                                           request->confirmed(), std::move(reason));
+                                           request->confirmed(), std::move(reason), seen);
       const auto promoted = co_await std::move(promoting);
       co_return put(whole(promoted, before ? &*before : nullptr), *response->mutable_model());
     });
@@ -248,6 +255,16 @@ class ModelService final : public v1::ModelService::CallbackService {
     auto choosing = studies_.study_sensors(std::move(asked), std::move(study));
     DRIFTWISE_CO_TRY(const auto choice, co_await std::move(choosing));
     co_return sensor_choice_from(choice);
+  }
+
+  // One model that this version cannot read is a damaged line, and the others are listed all the
+  // same.
+  static Result<v1::Model> listed(const ModelRecord& record, std::optional<ModelId> serving) {
+    auto found = model_from(record, serving, ModelDetail::summary);
+    if (found) return found;
+    ModelRecord unread = record;
+    unread.damage = found.error().message;
+    return model_from(unread, serving, ModelDetail::summary);
   }
 
   Result<v1::Model> whole(const Result<ModelRecord>& record,

@@ -87,8 +87,15 @@ class PlanService final : public v1::PlanService::CallbackService {
                        v1::PromotePlanResponse* response) override {
     return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->plan_id(), "plan_id"); !good) co_return good;
+      std::optional<application::Plans::Seen> seen;
+      if (request->has_serving_plan_id()) {
+        const std::int64_t serving = request->serving_plan_id();
+        if (auto good = check_id(serving, "serving_plan_id"); serving != 0 && !good) co_return good;
+        seen.emplace();
+        if (serving != 0) seen->serving = PlanId{serving};
+      }
       auto promoting =
-          plans_.promote(caller_of(*context), {request->plan_id()}, request->confirmed());
+          plans_.promote(caller_of(*context), {request->plan_id()}, request->confirmed(), seen);
       DRIFTWISE_CO_TRY(const auto plan, co_await std::move(promoting));
       *response->mutable_plan() = plan_from(plan, true);
       co_return Result<void>{};

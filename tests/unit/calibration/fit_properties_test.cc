@@ -11,6 +11,7 @@
 #include "server/calibration/design/predict.h"
 #include "server/calibration/linear/row_qr.h"
 #include "server/calibration/placed_terms.h"
+#include "server/core/data/row_marks.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
@@ -152,6 +153,51 @@ TEST(Fit, WithFirstRowsCalibratesOnThoseAndValidatesOnAll) {
   const Model model = fitted(make_campaign({}), options);
   EXPECT_EQ(model.lineage.rows_calibration, 80);
   EXPECT_EQ(model.lineage.rows_validation, 133);
+}
+
+// A passage before every seventh row, as a run has them that returns to zero by itself.
+Dataset with_passages(const Dataset& data) {
+  Dataset out = data;
+  out.rows = 0;
+  out.time_s.clear(), out.set.clear();
+  for (auto& column : out.columns) column.values.clear();
+  for (std::size_t row = 0; row < data.rows; ++row)
+    for (const bool passage : {true, false}) {
+      if (passage && row % 7 != 0) continue;
+      ++out.rows;
+      out.time_s.push_back(data.time_s[row] - (passage ? 1 : 0));
+      out.set.push_back(data.set_of(row));
+      out.excluded.push_back(passage ? kPassageRow : kInUse);
+      for (std::size_t k = 0; k < data.columns.size(); ++k)
+        out.columns[k].values.push_back(data.columns[k].values[row]);
+    }
+  return out;
+}
+
+TEST(Fit, WithFirstRowsCountsNoPassage) {
+  FitOptions options;
+  options.first_rows = 120;
+  const Dataset plain = make_campaign({});
+  const std::string formula = "q1 ~ poly(x, 3) + t01 + t02";  // none has a memory of passages
+  const Model model = fitted(with_passages(plain), options, formula);
+  EXPECT_EQ(model.lineage.rows_calibration, 80);
+  EXPECT_EQ(model.lineage.rows_validation, 133);
+  EXPECT_EQ(model.outputs[0].coefficients, fitted(plain, options, formula).outputs[0].coefficients);
+}
+
+TEST(Fit, OfRunsNamesAWrongRowByItsInstant) {
+  Dataset data = with_passages(make_campaign({}));
+  data.columns.push_back({{"w", "1"}, std::vector<double>(data.rows, 1.0)});
+  data.columns.back().values[100] = -2;
+  FitOptions options;
+  options.weight_symbol = "w";
+  const auto of_file = formats::fit_formula(data, "q1 ~ x", options);
+  ASSERT_FALSE(of_file);
+  EXPECT_THAT(of_file.error().message, testing::StartsWith("row 101 (time_s "));
+  options.lineage.runs = {RunId{3}};
+  const auto of_run = formats::fit_formula(data, "q1 ~ x", options);
+  ASSERT_FALSE(of_run);
+  EXPECT_THAT(of_run.error().message, testing::StartsWith("run 3, the row at time_s "));
 }
 
 TEST(Fit, CountsRowsWithAMissingValue) {

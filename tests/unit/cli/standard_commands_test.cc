@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numeric>
+#include <random>
+
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -77,6 +81,89 @@ TEST_F(CliTest, RowsThatAFileKeepsOutAreNotCompared) {
   EXPECT_EQ(match.at("rows"), 29);
 }
 
+// 60 places at random, and what a machine with a scale of +20 ppm measures there.
+struct TwoInstruments {
+  std::string reference, table = "row_1,x_mm,y_mm,z_mm\n";
+};
+
+// passages: rows of the trajectory before which the run came by beside its plan. order: of the rows
+// in the file.
+TwoInstruments two_instruments(const std::vector<int>& passages, const std::vector<int>& order) {
+  std::mt19937 random(1);
+  const auto place_mm = [&random] { return 4e-6 * static_cast<double>(random() % 1'000'000) - 2; };
+  std::vector<std::string> rows;
+  TwoInstruments out;
+  for (int row = 1; row <= 60; ++row) {
+    const double x = place_mm(), y = place_mm(), z = place_mm();
+    rows.push_back(fmt::format("calibration,1,0,0,0,{},{},{}\n", x, y, z));
+    constexpr double kScale = 1.00002;
+    out.table +=
+        fmt::format("{},{:.12f},{:.12f},{:.12f}\n", row, kScale * x, kScale * y, kScale * z);
+  }
+  out.reference = "time_s,set,line,zero,excluded,passage,x_mm,y_mm,z_mm\n";
+  int time_s = 0;
+  for (const int row : order) {
+    if (std::ranges::find(passages, row) != passages.end())
+      out.reference += fmt::format("{},calibration,1,0,1,1,0.5,,\n", time_s++);
+    out.reference += fmt::format("{},{}", time_s++, rows[static_cast<std::size_t>(row - 1)]);
+  }
+  return out;
+}
+
+std::vector<int> rows_from_1_to(int last) {
+  std::vector<int> rows(static_cast<std::size_t>(last));
+  std::iota(rows.begin(), rows.end(), 1);
+  return rows;
+}
+
+TEST_F(CliTest, APlaceBesideThePlanShiftsNoRowOfASecondInstrument) {
+  const auto both = two_instruments({12, 51}, rows_from_1_to(60));
+  const auto reference = file("reference.csv", both.reference);
+  const auto table = file("table.csv", both.table);
+  const auto match = json({"data", "instruments", reference, table});
+  EXPECT_NEAR(match.at("scale_ppm").get<double>(), 20, 1e-3);
+  EXPECT_EQ(match.at("rows"), 60);
+
+  const auto imported = json({"data", "import", reference});
+  EXPECT_EQ(imported.at("row_count"), 60) << "a passage is no point of the run";
+  EXPECT_EQ(imported.at("accepted_count"), 60);
+  const auto id = std::to_string(imported.at("id").get<int>());
+  const auto of_run = json({"data", "instruments", id, table});
+  EXPECT_NEAR(of_run.at("scale_ppm").get<double>(), 20, 1e-3);
+  EXPECT_EQ(of_run.at("rows"), 60);
+  const auto exported = run({"data", "export", id});
+  EXPECT_THAT(exported.out, HasSubstr(both.reference)) << "the file as it was";
+}
+
+TEST_F(CliTest, ARowThatWasMeasuredLaterKeepsItsNumberInTheTrajectory) {
+  auto order = rows_from_1_to(60);
+  std::ranges::rotate(order.begin() + 20, order.begin() + 21, order.begin() + 40);  // 21 after 40
+  order.erase(order.begin() + 49);                                                  // 50: given up
+  const auto both = two_instruments({30}, order);
+  const auto table = file("table.csv", both.table);
+  const auto reference =
+      file("reference.csv", "# trajectory_rows: 1-20,22-40,21,41-49,51-60\n" + both.reference);
+  const auto match = json({"data", "instruments", reference, table});
+  EXPECT_NEAR(match.at("scale_ppm").get<double>(), 20, 1e-3);
+  EXPECT_EQ(match.at("rows"), 59);
+  EXPECT_EQ(match.at("table_only"), 1);
+
+  const auto imported = std::to_string(json({"data", "import", reference}).at("id").get<int>());
+  EXPECT_NEAR(json({"data", "instruments", imported, table}).at("scale_ppm").get<double>(), 20,
+              1e-3);
+  EXPECT_EQ(run({"data", "exclude", imported, "--rows", "20-21", "--reason", "touched"}).exit, 0);
+  EXPECT_THAT(run({"data", "export", imported, "--without-excluded"}).out,
+              HasSubstr("# trajectory_rows: 1-19,23-40,21,41-49,51-60\n"));
+  EXPECT_EQ(json({"data", "instruments", imported, table}).at("rows"), 57);
+
+  auto shortened = read_file(reference);
+  shortened.resize(shortened.rfind("\n", shortened.size() - 2) + 1);
+  const auto refused = run({"data", "instruments", file("shortened.csv", shortened), table});
+  EXPECT_EQ(refused.exit, 3);
+  EXPECT_THAT(refused.err, HasSubstr("names 59 rows, found 58 rows of the trajectory"));
+  EXPECT_THAT(refused.err, HasSubstr("in a column row_1"));
+}
+
 TEST_F(CliTest, AFileThatLacksWhatAStandardNeedsIsRefusedWith5) {
   const auto lacking = run({"standard", "iso230-2", standards_data("iso230_3.csv")});
   EXPECT_EQ(lacking.exit, 5);
@@ -98,6 +185,9 @@ TEST_F(CliTest, StandardTrajectoriesAreWrittenForTheirRuns) {
   EXPECT_THAT(poses.out, HasSubstr("q1_mm,q2_mm,q3_mm,set,line,zero\n0,0,0,"));
   EXPECT_THAT(poses.out, HasSubstr("\n2.05,2.05,2.05,calibration"));
   EXPECT_EQ(run({"trajectory", "iso230-3", "--at", "-4,4"}).exit, 0);
+  EXPECT_THAT(run({"trajectory", "iso230-2", "--axis", "mn.q1", "--from", "0", "--to", "2.5"}).out,
+              HasSubstr("mn.q1_mm,set,line,zero\n0,"));
+  EXPECT_EQ(run({"trajectory", "iso230-2", "--axis", "mn.q", "--from", "0", "--to", "1"}).exit, 2);
   EXPECT_EQ(run({"trajectory", "iso230-2", "--from", "4", "--to", "-4"}).exit, 3);
   EXPECT_EQ(run({"trajectory", "iso230-2", "--from", "0"}).exit, 2);
   EXPECT_EQ(run({"trajectory", "iso230-2", "--from", "0", "--to", "1", "--hold", "q2"}).exit, 2);

@@ -6,6 +6,8 @@
 
 #include <thread>
 
+#include "server/core/data/row_marks.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -173,6 +175,33 @@ TEST_F(StudyCommandsTest, ResidualsComeAsADatasetWithWhatTheyComeTo) {
   EXPECT_THAT(run({"model", "residuals", "1"}).err,
               testing::AllOf(HasSubstr("not the very rows that the model was fitted to"),
                              HasSubstr("no errors of held-out rows")));
+}
+
+// Row 2 of the plan, after a return of the run's own, is the third of the dataset.
+TEST_F(StudyCommandsTest, ResidualsOfARunNameRowsOfThePlanAndKeepPassages) {
+  ASSERT_EQ(run({"fit", "--run", "3", "--model", "q ~ x"}).exit, 0);
+  cell.on_executor([&] {
+    auto& of = models.the_residuals;
+    of = {};
+    of.data.rows = 4;
+    of.data.time_s = {0, 10, 20, 30};
+    of.data.zero = {0, 1, 0, 0};
+    of.data.excluded = {kInUse, kPassageRow, kInUse, kExcludedRow};
+    of.data.columns = {{{"t07", "degC"}, {20.5, 20.6, 20.7, 20.8}}};
+    of.outputs = {{{"q1", "mm"}, {1.5, 90, -2.5, 70}, {}}};
+    of.origins = {{RunId{3}, 0}, {RunId{3}, 48}, {RunId{3}, 1}, {RunId{3}, 2}};
+  });
+  const auto rows = run({"model", "residuals", "1"});
+  EXPECT_THAT(rows.err, testing::ContainsRegex("-2\\.5 +2\n"));
+  const auto written = formats::read_dataset_csv(rows.out, "residuals");
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_THAT(written->excluded, testing::ElementsAre(kInUse, kPassageRow, kInUse, kExcludedRow));
+  EXPECT_THAT(written->zero, testing::ElementsAre(0, 1, 0, 0));
+  const auto answer = json({"model", "residuals", "1"});
+  EXPECT_EQ(answer.at("rows"), (nlohmann::json{1, 49, 2, 3}));
+  EXPECT_EQ(answer.at("passage"), (nlohmann::json{false, true, false, false}));
+  cell.on_executor([&] { models.the_residuals.origins[3].run = RunId{4}; });
+  EXPECT_THAT(run({"model", "residuals", "1"}).err, HasSubstr("2 of run 3"));
 }
 
 // The truth is q = x + 2e-5 x^2; each file is a line of its own noise.

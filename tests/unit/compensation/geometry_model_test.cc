@@ -13,6 +13,7 @@
 #include "server/compensation/forward_pose.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
+#include "server/effects/term_order.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "tests/support/kinematics/arm_chain.h"
 
@@ -144,7 +145,21 @@ TEST(GeometryModel, OfAnArmIsRefusedWithTermsBesideIt) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "TERM_NOT_SERVABLE");
   EXPECT_NE(refused.error().message.find("air"), std::string::npos) << refused.error().message;
-  x.terms = {effects::Term{}};  // a constant
+}
+
+// A model stored before, whose geometry stands in the mean of two datums: 0.5 mm off in both.
+TEST(GeometryModel, OfAnArmIsRefusedWithAConstantBesideItUnlessItIsZero) {
+  auto model = imported(bent_ur10());
+  auto& x = model.outputs.emplace_back();
+  x.channel = {"x", "mm"};
+  x.terms = {effects::Term{}, effects::datum_term(2)};
+  x.coefficients = Eigen::Vector2d(-0.49711, 0.99422);
+  const auto refused = SnapshotBuilder::create(model, ModelId{1}, CellDescription{});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "TERM_NOT_SERVABLE");
+  EXPECT_NE(refused.error().message.find("a constant of -0.49711 mm of x"), std::string::npos)
+      << refused.error().message;
+  x.coefficients[0] = 0;  // datum(2) alone: the geometry is that of the first
   EXPECT_TRUE(SnapshotBuilder::create(model, ModelId{1}, CellDescription{}));
 }
 
@@ -286,6 +301,54 @@ TEST(GeometryModel, StatesTheParametersUncertaintyThroughTheInverseJacobian) {
   const Vector3d steep = forward(robot, {20 * kDeg, 60 * kDeg, -70 * kDeg}, 20).block<3, 1>(0, 3);
   EXPECT_NE(describe_flags(snapshot, compute_target(snapshot, request_of(steep))).find("q2_deg"),
             std::string::npos);
+}
+
+// The other elbow: the pose is well inside, q2 a half width and more beyond its angles.
+TEST(GeometryModel, CountsAJointOutsideItsAnglesInTheUncertaintyAndInTheCellsRule) {
+  const auto robot = lifting_arm();
+  auto model = identified_arm(robot);
+  model.domain[2].max = 900;
+  auto calibrated = model;
+  calibrated.domain[3].max = 90;
+  const Vector3d point = forward(robot, {20 * kDeg, 80 * kDeg, -70 * kDeg}, 20).block<3, 1>(0, 3);
+  TargetRequest request;
+  request.set(Variable::x, point.x());
+  request.set(Variable::y, point.y());
+  request.set(Variable::z, point.z());
+  set_near(request, "q1_deg", 20), set_near(request, "q2_deg", 80),
+      set_near(request, "q3_deg", -70);
+  const auto snapshot = serving(model).build(kBuilt);
+  const auto inside = serving(calibrated).build(kBuilt);
+  const auto target = compute_target(snapshot, request);
+  ASSERT_EQ(target.refusal, Refusal::none) << refusal_error(snapshot, target).message;
+  EXPECT_NE(describe_flags(snapshot, target).find("OUTSIDE_DOMAIN(q2_deg)"), std::string::npos);
+  // -20 .. 45 and half a percent on each side; (1 + d)^2, d in half widths.
+  const double half_width = 0.505 * 65,
+               factor = std::pow(1 + (80 - 12.5 - half_width) / half_width, 2);
+  EXPECT_GT(factor, 4);
+  const auto within = compute_target(inside, request);
+  EXPECT_EQ(within.flags & kOutsideDomain, 0u);
+  for (std::size_t j = 0; j < 3; ++j) {
+    EXPECT_NEAR(target.u_nm[j], factor * within.u_nm[j], 1e-6 * target.u_nm[j]);
+    const auto budget = compute_budget(snapshot, request, j);
+    EXPECT_NEAR(budget.u_nm, target.u_nm[j], 1e-6 * target.u_nm[j]);
+    EXPECT_EQ(budget.line[budget.lines - 1].source, UncertaintySource::extrapolation);
+  }
+  EXPECT_NEAR(error_parts(snapshot, request).factor, factor, 1e-6 * factor);
+  ForwardRequest joints;
+  joints.q_mm = {20, 80, -70};
+  const auto there = forward_pose(snapshot, joints), near_by = forward_pose(inside, joints);
+  ASSERT_TRUE(there) << there.error().message;
+  EXPECT_NEAR(there->coordinates[0].u, factor * near_by->coordinates[0].u,
+              1e-6 * there->coordinates[0].u);
+
+  CellDescription strict;
+  strict.serving.refuse_outside_domain = true;
+  const auto refusing = SnapshotBuilder::create(model, ModelId{1}, strict)->build(kBuilt);
+  const auto refused = refusal_of(refusing, request);
+  EXPECT_EQ(refused.reason, "OUTSIDE_DOMAIN");
+  EXPECT_NE(refused.message.find("q2_deg"), std::string::npos) << refused.message;
+  EXPECT_FALSE(forward_pose(refusing, joints));
 }
 
 TEST(GeometryModel, SaysWhereAnArmsToolIs) {

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <random>
 
+#include "server/core/data/row_marks.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {
@@ -247,6 +248,7 @@ TEST(CheckStandard, LeavesExcludedRowsAndRunsItCannotJudgeOut) {
   auto run = measure(robot, 2, 4, random);
   run.data.excluded.assign(run.data.rows, 0);
   run.data.excluded[7] = 1;
+  run.data.excluded[8] = kPassageRow;  // nobody kept it out
   run.data.columns[0].values[7] += 1;
   auto blind = measure(robot, 3, 4, random);
   blind.data.columns.pop_back();
@@ -255,7 +257,7 @@ TEST(CheckStandard, LeavesExcludedRowsAndRunsItCannotJudgeOut) {
   const auto report = check_model(model, std::vector{run, blind, short_run});
   EXPECT_EQ(report.verdict, CheckVerdict::in_control);  // by run 2
   const auto& points = report.outputs[0].points;
-  EXPECT_EQ(points[0].rows, 67);
+  EXPECT_EQ(points[0].rows, 66);
   EXPECT_EQ(points[0].excluded, 1);
   EXPECT_FALSE(points[1].judged);
   EXPECT_THAT(points[1].why_not, HasSubstr("t02"));

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {
@@ -124,6 +126,75 @@ TEST(Verification, ReadsAModelInOtherUnitsInThoseOfTheRun) {
   const auto refused = verify_runs(std::vector{run}, &model);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "UNITS_DISAGREE");
+}
+
+// The same readings with the column of a symbol given in another unit: value * factor / divisor.
+RunToVerify in_unit(RunToVerify run, const std::string& symbol, const std::string& unit,
+                    double factor, double divisor) {
+  for (auto& column : run.data.columns)
+    if (column.channel.symbol == symbol) {
+      column.channel.unit = unit;
+      for (double& value : column.values) value = value * factor / divisor;
+    }
+  return run;
+}
+
+TEST(Verification, IsTheSameWhateverUnitsTargetAndMeasurementHave) {
+  const RunToVerify in_mm = run_of(3, 9, 40);
+  const RunToVerify um = in_unit(in_mm, "x", "um", 1e3, 1);
+  for (const auto& run :
+       {um, in_unit(um, "x_target", "m", 1, 1e3), in_unit(in_mm, "x_target", "nm", 1e6, 1)}) {
+    const auto found = verify_runs(std::vector{run}, nullptr);
+    ASSERT_TRUE(found) << found.error().message;
+    const auto& x = found->runs.front().coordinates.front();
+    EXPECT_NEAR(x.all.mean, 40, 1e-5);
+    EXPECT_NEAR(x.all.a90, 1.645 * std::sqrt(1600 + 100.0), 1e-5);
+    EXPECT_NEAR(x.largest, 50, 1e-5);
+  }
+  // What was commanded of the one axis, in um, is the target of an x in mm.
+  RunToVerify commanded = in_unit(in_mm, "x_target", "um", 1e3, 1);
+  commanded.data.columns[1].channel.symbol = "q1_cmd";
+  const auto found = verify_runs(std::vector{commanded}, nullptr);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NEAR(found->runs.front().coordinates.front().all.mean, 40, 1e-5);
+}
+
+// Targets such as 0.3 mm, which no other unit has to the last bit.
+TEST(Verification, FindsThePositionsOfRunsInOtherUnitsAndInAnotherOrderOfTheColumns) {
+  RunToVerify run = run_of(3, 9, 40), against = run_of(4, 9, 400);
+  for (auto* one : {&run, &against})
+    for (auto& column : one->data.columns)
+      if (column.channel.symbol.starts_with("x"))
+        for (double& value : column.values) value *= 0.3;
+  against = in_unit(in_unit(against, "x", "um", 1e3, 1), "x_target", "m", 1, 1e3);
+  for (auto* one : {&run, &against}) {
+    auto y = one->data.columns[0], wanted = one->data.columns[1];
+    y.channel.symbol = "y";
+    wanted.channel.symbol = "y_target";
+    for (double& value : y.values) value *= 2;
+    for (double& value : wanted.values) value *= 2;
+    one->data.columns.push_back(std::move(y));
+    one->data.columns.push_back(std::move(wanted));
+  }
+  std::ranges::reverse(against.data.columns);
+  const auto found = verify_runs(std::vector{run, against}, nullptr);
+  ASSERT_TRUE(found) << found.error().message;
+  const auto& change = found->changes.front();
+  EXPECT_EQ(change.positions, 8);
+  ASSERT_EQ(change.coordinates.size(), 2u);
+  ASSERT_TRUE(change.coordinates[0].before.has_value());
+  EXPECT_NEAR(change.coordinates[0].figures.mean, 40 * 0.3, 1e-5);
+  EXPECT_NEAR(change.coordinates[0].before->mean, 400 * 0.3, 1e-5);
+  EXPECT_NEAR(change.coordinates[1].before->mean, 400 * 0.6, 1e-5);
+}
+
+TEST(Verification, RefusesATargetOfAnotherKindThanTheMeasurement) {
+  const auto refused =
+      verify_runs(std::vector{in_unit(run_of(3, 9, 40), "x_target", "deg", 1, 1)}, nullptr);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "UNITS_DISAGREE");
+  EXPECT_EQ(refused.error().message.find("run 3 gives x_target in deg and x in mm"), 0u)
+      << refused.error().message;
 }
 
 TEST(Verification, SaysWhatARunLacks) {

@@ -11,6 +11,7 @@
 #include <iostream>
 #include <iterator>
 #include <random>
+#include <sstream>
 
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
@@ -100,6 +101,42 @@ TEST_F(CompiledModel, AgreesWithTheFormulaAndFlagsTheDomain) {
   EXPECT_EQ(inside, 0);
   EXPECT_EQ(x_out, 1);
   EXPECT_EQ(both_out, 3);
+}
+
+// Half a percent of the range on each side of it is inside, for the daemon and for the controller:
+// x of -4 .. 4 up to 4.04, t07 of 20 .. 22 up to 22.01.
+TEST_F(CompiledModel, HasTheEdgeOfTheDomainWhereTheDaemonHasIt) {
+  const auto model = axis_model();
+  std::string source = *write_model_c(model, "axis");
+  const std::vector<double> places = {-4.0401, -4.0399, -4, 4.00024, 4.03, 4.0399, 4.0401},
+                            warmths = {19.9899, 19.9901, 22, 22.0099, 22.0101};
+  source += "#include <stdio.h>\nint main(void) {\n  double q[1];\n";
+  for (const double x : places)
+    for (const double t : warmths) {
+      std::ostringstream call;
+      call.precision(17);
+      call << "  { const double pose[1] = {" << x << "}, t[1] = {" << t
+           << "}; printf(\"%d \", driftwise_model_axis(pose, t, q)); }\n";
+      source += call.str();
+    }
+  ASSERT_EQ(compile(source + "  return 0;\n}\n", ""), 0);
+  ASSERT_EQ(run_model(), 0);
+  std::istringstream bits(output());
+  auto builder = *compensation::SnapshotBuilder::create(model, ModelId{1}, CellDescription{});
+  for (const double x : places)
+    for (const double t : warmths) {
+      const ChannelValue warm{"t07_degC", t};
+      builder.observe(std::span(&warm, 1), CellTime{1'000'000'000});
+      compensation::TargetRequest request;
+      request.set(compensation::Variable::x, x);
+      const auto target =
+          compensation::compute_target(builder.build(CellTime{1'000'000'000}), request);
+      unsigned outside = 99;
+      bits >> outside;
+      EXPECT_EQ(outside, target.outside) << x << " mm, " << t << " degC";
+      EXPECT_EQ((outside & 1) != 0, std::abs(x) > 4.04) << x;
+      EXPECT_EQ((outside & 2) != 0, std::abs(t - 21) > 1.01) << t;
+    }
 }
 
 // The robot has warmed and its axes stand 20 and -30 um from where pose 0 was in the model's data:

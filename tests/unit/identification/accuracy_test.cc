@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/data/row_marks.h"
 #include "server/formats/formula/formula.h"
 #include "tests/unit/identification/robots.h"
 
@@ -48,6 +49,32 @@ TEST(JudgeMethod, SaysHowManyRowsHaveNoValueInAChannelThatIsRead) {
               half + " of " + std::to_string(data.rows) +
                   " rows left out: a channel that is read has no value there");
   }
+}
+
+// Without a target where the run came by, as a return to zero of its own has none.
+TEST(JudgeMethod, CountsNoPassageAmongTheFirstRows) {
+  Dataset data = campaign();
+  auto options = judged_options(data);
+  options.fit.first_rows = 100;
+  const auto plain = judge_method(data, Method::stepwise, options, {});
+  ASSERT_TRUE(plain) << plain.error().message;
+  const auto repeated = [](auto& values) {
+    if (!values.empty()) values.insert(values.begin() + 50, 10, values[50]);
+  };
+  repeated(data.time_s), repeated(data.set), repeated(data.line), repeated(data.zero);
+  repeated(data.dwell_s), repeated(data.run), repeated(data.datum);
+  for (auto& column : data.columns) repeated(column.values);
+  data.rows += 10;
+  data.excluded.assign(data.rows, kInUse);
+  for (std::size_t row = 50; row < 60; ++row) {
+    data.excluded[row] = kPassageRow;
+    for (auto& column : data.columns) column.values[row] = kMissing;
+  }
+  const auto passed = judge_method(data, Method::stepwise, options, {});
+  ASSERT_TRUE(passed) << passed.error().message;
+  EXPECT_EQ(passed->rows_calibration, 100);
+  EXPECT_EQ(passed->rows_calibration, plain->rows_calibration);
+  EXPECT_EQ(passed->outputs[0].rms, plain->outputs[0].rms);
 }
 
 TEST(JudgeMethod, GivesStepwiseTheFiguresThatTheFitItselfGives) {

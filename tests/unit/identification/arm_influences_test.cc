@@ -28,7 +28,9 @@ KinematicsDescription lifting_arm() {
   return arm;
 }
 
-Dataset rows_of_arm() {
+enum class Datums { one, two };  // the second 1 mm further on in x
+
+Dataset rows_of_arm(Datums datums = Datums::one) {
   auto built = lifting_arm();
   built.links[0].d_mm += 0.3;
   built.links[1].a_mm -= 0.4;
@@ -37,6 +39,12 @@ Dataset rows_of_arm() {
   auto data = robots::arm_campaign(built, 150, 1e-3, 4);
   for (std::size_t row = 0; row < data.rows; ++row)
     data.time_s.push_back(40.0 * static_cast<double>(row));
+  if (datums == Datums::one) return data;
+  data.datum.assign(data.rows, 1);
+  for (std::size_t row = 60; row < data.rows; ++row) {
+    data.datum[row] = 2;
+    data.columns[3].values[row] += 1;
+  }
   return data;
 }
 
@@ -110,11 +118,11 @@ struct Case {
   CellDescription cell;
   std::vector<Error_mm> errors;  // independent, each of one standard uncertainty
 };
-class ErrorOfTheTracker : public testing::TestWithParam<Case> {};
+class ErrorOfTheTracker : public testing::TestWithParam<std::tuple<Case, Datums>> {};
 
 TEST_P(ErrorOfTheTracker, IsInTheBudgetOfEveryJointAsAnotherIdentificationHasIt) {
-  const auto& [name, source, cell, errors] = GetParam();
-  const auto data = rows_of_arm();
+  const auto& [name, source, cell, errors] = std::get<Case>(GetParam());
+  const auto data = rows_of_arm(std::get<Datums>(GetParam()));
   const auto right = served(data, cell), undeclared = served(data, CellDescription{});
   std::vector<Snapshot> others;
   for (const auto error_mm : errors) {
@@ -140,33 +148,50 @@ TEST_P(ErrorOfTheTracker, IsInTheBudgetOfEveryJointAsAnotherIdentificationHasIt)
       EXPECT_NEAR(std::hypot(compute_target(undeclared, request).u_nm[j], expected_nm),
                   target.u_nm[j], 0.01 * target.u_nm[j]);
     }
-    EXPECT_GT(most_nm, 10) << "1e-6 rad";
+    EXPECT_GT(most_nm, 5) << "1e-6 rad";
   }
 }
-INSTANTIATE_TEST_SUITE_P(Table, ErrorOfTheTracker,
-                         testing::Values(Case{"Offset",
-                                              UncertaintySource::laser,
-                                              with_tracker(2e4, 0, 0),
-                                              {[](const Dataset&, std::size_t) { return 2e-2; }}},
-                                         Case{"Drift",
-                                              UncertaintySource::drift,
-                                              with_tracker(0, 1.5e4, 0),
-                                              {[](const Dataset& data, std::size_t row) {
-                                                return 1.5e-2 *
-                                                       (data.time_s[row] - data.time_s[0]) / 3600;
-                                              }}},
-                                         Case{"Square",  // to y and to z
-                                              UncertaintySource::beam_direction,
-                                              with_tracker(0, 0, 10),
-                                              {[](const Dataset& data, std::size_t row) {
-                                                 return 10 * 4.84813681e-6 *
-                                                        data.columns[4].values[row];
-                                               },
-                                               [](const Dataset& data, std::size_t row) {
-                                                 return 10 * 4.84813681e-6 *
-                                                        data.columns[5].values[row];
-                                               }}}),
-                         [](const auto& row) { return std::string(row.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Table, ErrorOfTheTracker,
+    testing::Combine(testing::Values(Case{"Offset",
+                                          UncertaintySource::laser,
+                                          with_tracker(2e4, 0, 0),
+                                          {[](const Dataset&, std::size_t) { return 2e-2; }}},
+                                     Case{"Drift",
+                                          UncertaintySource::drift,
+                                          with_tracker(0, 1.5e4, 0),
+                                          {[](const Dataset& data, std::size_t row) {
+                                            return 1.5e-2 * (data.time_s[row] - data.time_s[0]) /
+                                                   3600;
+                                          }}},
+                                     Case{"Square",  // to y and to z
+                                          UncertaintySource::beam_direction,
+                                          with_tracker(0, 0, 10),
+                                          {[](const Dataset& data, std::size_t row) {
+                                             return 10 * 4.84813681e-6 *
+                                                    data.columns[4].values[row];
+                                           },
+                                           [](const Dataset& data, std::size_t row) {
+                                             return 10 * 4.84813681e-6 *
+                                                    data.columns[5].values[row];
+                                           }}}),
+                     testing::Values(Datums::one, Datums::two)),
+    [](const auto& row) {
+      return std::get<Case>(row.param).name +
+             std::string(std::get<Datums>(row.param) == Datums::one ? "" : "OfTwoDatums");
+    });
+
+// Served from rows of two set-ups of the tracker, the tool comes to where it was wanted as the
+// first set-up measures it.
+TEST(ArmInfluences, AnArmOfTwoDatumsIsServedInTheFirst) {
+  const auto one = served(rows_of_arm(Datums::one), CellDescription{}),
+             two = served(rows_of_arm(Datums::two), CellDescription{});
+  const auto request = request_at(550, 300, 420);
+  const auto expected = compute_target(one, request), found = compute_target(two, request);
+  ASSERT_EQ(found.refusal, compensation::Refusal::none);
+  for (std::size_t j = 0; j < 3; ++j)  // 1 mm at half a metre would be 2000e-6 rad
+    EXPECT_NEAR(found.q_mm[j], expected.q_mm[j], 5e-6) << "joint " << j;
+}
 
 // The pose of given joints is off by as much as the tracker was.
 TEST(ArmInfluences, AnOffsetOfTheTrackerIsAnOffsetOfThePose) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "server/rpc/configuration/convert_provenance.h"
+#include "server/rpc/diagnosis/convert_diagnosis.h"
+
 namespace driftwise::rpc {
 namespace {
 
@@ -37,6 +40,23 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"surrogate", "\xed\xa0\x80", "???"},
                     Case{"beyond", "\xf4\x90\x80\x80", "????"}, Case{"empty", "", ""}),
     [](const auto& row) { return std::string(row.param.name); });
+
+// The record counts rows from 0; a person, and what ExcludeRows takes, from 1.
+TEST(Previews, CountRowsFromOneAsAnAcceptedExtensionDoes) {
+  ExtensionRecord accepted;
+  accepted.excluded = {{RunId{3}, {41, 42, 87}}};
+  application::ExtensionPreview preview;
+  preview.excluded = accepted.excluded;
+  const auto before = preview_from(preview);
+  const auto after = extension_from(accepted);
+  ASSERT_EQ(before.excluded_size(), 2);
+  EXPECT_EQ(before.excluded(0).first_row(), 42);
+  EXPECT_EQ(before.excluded(0).last_row(), 43);
+  EXPECT_EQ(before.excluded(1).first_row(), 88);
+  ASSERT_EQ(after.excluded_size(), 2);
+  for (int i = 0; i < 2; ++i)
+    EXPECT_EQ(before.excluded(i).DebugString(), after.excluded(i).DebugString());
+}
 
 }  // namespace
 }  // namespace driftwise::rpc

@@ -2,6 +2,9 @@
 #include <cmath>
 
 #include "driftwise/v1/model_service.grpc.pb.h"
+#include "server/effects/term_order.h"
+#include "server/formats/cell_file/kinematics_section.h"
+#include "server/formats/model/model_json.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
 namespace driftwise::tests {
@@ -82,6 +85,74 @@ TEST_F(ModelServiceTest, RefusesAFitThatCannotBeMeant) {
   EXPECT_THAT(ask(&ModelStub::CreateFit, request),
               FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
   EXPECT_EQ(ask(&ModelStub::ListModels, {})->models_size(), 0);
+}
+
+// A version before this one stored a robot whose scale no robot file may state: the text is as it
+// was stored, and does not read back.
+TEST_F(ModelServiceTest, ListsAModelThatCannotBeReadAsOneDamagedLine) {
+  cell.add_model("q ~ x");
+  calibration::Model unreadable;
+  unreadable.formula = "linear-axis, identified";
+  unreadable.geometry.emplace();
+  unreadable.geometry->robot.kind = "linear-axis";
+  unreadable.geometry->robot.axes = {
+      {.motor = {"q1", "mm"}, .pose = {"x", "mm"}, .scale_ppm = -2000020}};
+  ASSERT_TRUE(cell.on_store([&](Store& store) {
+    ModelRecord record;
+    record.name = "reversed";
+    record.json = formats::write_model_json(unreadable);
+    record.hash = formats::model_hash(unreadable);
+    record.created_by = "ada";
+    return store.models().add_model(record);
+  }));
+  cell.add_model("q ~ x + T");
+  const auto list = ask(&ModelStub::ListModels, {});
+  ASSERT_TRUE(list) << list.error().message;
+  ASSERT_EQ(list->models_size(), 3);
+  EXPECT_EQ(list->models(0).damage(), "");
+  EXPECT_EQ(list->models(1).name(), "reversed");
+  EXPECT_THAT(list->models(1).damage(), testing::HasSubstr("cannot be read"));
+  EXPECT_THAT(list->models(1).damage(), testing::HasSubstr("scale_ppm"));
+  EXPECT_EQ(list->models(2).formula(), "q ~ x + T");
+  EXPECT_THAT(ask(&ModelStub::GetModel, of<v1::GetModelRequest>(2)),
+              FailsWith(ErrorCode::data_loss, "MODEL_DAMAGED"));
+}
+
+// An arm as a version before this one identified it on two datums, x of the second 1 mm further on:
+// its geometry stands half way, and its robot file is that of the first.
+TEST_F(ModelServiceTest, WritesTheRobotFileOfAnArmInItsFirstDatum) {
+  calibration::Model model;
+  model.formula = "serial-arm, identified";
+  model.geometry.emplace();
+  auto& robot = model.geometry->robot;
+  robot.kind = "serial-arm";
+  robot.links = {{.motor = {"q1", "deg"}, .d_mm = 300, .alpha_deg = 90},
+                 {.motor = {"q2", "deg"}, .a_mm = 500},
+                 {.motor = {"q3", "deg"}, .a_mm = 400}};
+  robot.frame = {.x_mm = 900.5, .y_mm = -400};
+  for (const char* axis : {"x", "y", "z"}) {
+    auto& output = model.outputs.emplace_back();
+    output.channel = {axis, "mm"};
+    output.terms = {effects::Term{}, effects::datum_term(2)};
+    output.coefficients = output.channel.symbol == "x" ? Eigen::Vector2d(-0.5, 1)
+                                                       : Eigen::Vector2d(Eigen::Vector2d::Zero());
+    output.covariance = Eigen::Matrix2d::Zero();
+  }
+  ASSERT_TRUE(cell.on_store([&](Store& store) {
+    ModelRecord record;
+    record.name = "both";
+    record.json = formats::write_model_json(model);
+    record.hash = formats::model_hash(model);
+    record.created_by = "ada";
+    return store.models().add_model(record);
+  }));
+  const auto shown = ask(&ModelStub::GetModel, of<v1::GetModelRequest>(1));
+  ASSERT_TRUE(shown) << shown.error().message;
+  const auto file =
+      formats::parse_robot_file(shown->model().kinematics().robot_toml(), "robot.toml");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_DOUBLE_EQ(file->frame.x_mm, 900);
+  EXPECT_DOUBLE_EQ(file->frame.y_mm, -400);
 }
 
 TEST_F(ModelServiceTest, GivesFiguresInTheSummaryUnitAndCoefficientsInTheColumns) {
@@ -168,6 +239,28 @@ TEST_F(ModelServiceTest, PromotesOneAndRollsBackToNone) {
   EXPECT_THAT(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(5)),
               FailsWith(ErrorCode::not_found, "NO_SUCH_MODEL"));
   EXPECT_THAT(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(-5)),
+              FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
+}
+
+TEST_F(ModelServiceTest, PromotesNothingOverAModelThatTheCallerDidNotSeeServe) {
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
+  const auto promotion = [this](std::int64_t model, std::int64_t seen) {
+    auto request = of<v1::PromoteModelRequest>(model);
+    request.set_confirmed(true);
+    request.set_serving_model_id(seen);
+    return request;
+  };
+  EXPECT_TRUE(ask(&ModelStub::PromoteModel, promotion(2, 0))) << "none was seen, and none serves";
+  const auto stale = ask(&ModelStub::PromoteModel, promotion(1, 0));
+  EXPECT_THAT(stale, FailsWith(ErrorCode::failed_precondition, "STALE"));
+  EXPECT_THAT(stale.error().message,
+              testing::HasSubstr("model 2 serves by now, where no model was seen to serve"));
+  EXPECT_TRUE(ask(&ModelStub::PromoteModel, promotion(3, 2)));
+  EXPECT_THAT(ask(&ModelStub::PromoteModel, promotion(1, 2)),
+              FailsWith(ErrorCode::failed_precondition, "STALE"));
+  EXPECT_TRUE(ask(&ModelStub::PromoteModel, promotion(3, 2))) << "it serves already, as wanted";
+  EXPECT_EQ(ask(&ModelStub::ListPromotions, v1::ListPromotionsRequest{})->promotions_size(), 2);
+  EXPECT_THAT(ask(&ModelStub::PromoteModel, promotion(1, -1)),
               FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
 }
 

@@ -135,6 +135,25 @@ TEST_F(PlanServiceTest, RefusesAWrongOrderAndPutsTheRefusalOnRecord) {
   EXPECT_THAT(acts.front().outcome, testing::HasSubstr("PLAN_ORDER: step 1 reads mn.x_mm"));
 }
 
+TEST_F(PlanServiceTest, PromotesNothingOverAPlanThatTheCallerDidNotSeeServe) {
+  make_models();
+  const auto first = added(plan_text());
+  const auto second = added(plan_text() + "# again\n");
+  const auto seen = [&](std::int64_t plan, std::int64_t serving) {
+    auto request = promotion(plan);
+    request.set_serving_plan_id(serving);
+    return request;
+  };
+  ASSERT_TRUE(ask(&PlanStub::PromotePlan, seen(first, 0)));
+  const auto stale = ask(&PlanStub::PromotePlan, seen(second, 0));
+  EXPECT_THAT(stale, FailsWith(ErrorCode::failed_precondition, "STALE"));
+  EXPECT_THAT(stale.error().message,
+              testing::HasSubstr("plan 1 serves by now, where no plan was seen to serve"));
+  EXPECT_TRUE(ask(&PlanStub::PromotePlan, seen(second, first)));
+  EXPECT_THAT(ask(&PlanStub::PromotePlan, seen(first, first)),
+              FailsWith(ErrorCode::failed_precondition, "STALE"));
+}
+
 TEST_F(PlanServiceTest, TakesAPlanBackToTheOneBefore) {
   make_models();
   const auto first = added(plan_text());

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/core/data/row_marks.h"
 #include "tests/unit/standards/standards_data.h"
 
 namespace driftwise::standards {
@@ -43,6 +44,62 @@ TEST(Iso2302, GivesTheFiguresThatRGives) {
   EXPECT_TRUE(found->warnings.empty());
   ASSERT_EQ(found->conditions.temperatures.size(), 1U);
   EXPECT_NEAR(found->conditions.temperatures[0].last_degc, 20.82, 1e-12);
+}
+
+// Five passes over five positions with a play of 600 nm. looked_again: at 2 mm on two ways down the
+// axis went on, stepped aside and came from below: passages, which have no wanted pose.
+Dataset compensated_axis(bool looked_again) {
+  Dataset data = visits_of({});
+  data.columns.push_back({{"x_target", "mm"}, {}});
+  const auto add = [&data](double commanded_mm, double wanted_mm, double deviation_nm) {
+    data.columns[0].values.push_back(commanded_mm);
+    data.columns[1].values.push_back(wanted_mm + deviation_nm * 1e-6);
+    data.columns[2].values.push_back(wanted_mm);
+    data.excluded.push_back(is_missing(wanted_mm) ? kPassageRow : kInUse);
+    ++data.rows;
+  };
+  const std::array<double, 5> up = {-4, -2, 0.5, 2, 4}, down = {4, 2, 0.5, -2, -4};
+  for (int pass = 0; pass < 5; ++pass)
+    for (const bool from_below : {true, false}) {
+      const double end_mm = from_below ? -4.5 : 4.5;
+      add(end_mm, end_mm, 0);
+      for (const double at_mm : from_below ? up : down) {
+        double deviation_nm = (from_below ? -300 : 300) + 10 * pass;
+        if (looked_again && !from_below && at_mm == 2 && pass % 2 == 1) {
+          add(at_mm, kMissing, 0);
+          add(at_mm - 0.1, kMissing, 0);
+          deviation_nm -= 600;
+        }
+        add(at_mm, at_mm, deviation_nm);
+      }
+    }
+  return data;
+}
+
+TEST(Iso2302, AVisitFromTheOtherSideIsNoneOfTheSideThatWasPlanned) {
+  const auto whole = iso230_2(compensated_axis(false), {});
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->columns.target, "x_target");
+  const double s_nm = 10 * std::sqrt(2.5);  // of 0, 10, 20, 30, 40
+  EXPECT_NEAR(whole->r.both_nm, 600 + 4 * s_nm, 1e-6);
+  const auto lacking = iso230_2(compensated_axis(true), {});
+  ASSERT_FALSE(lacking) << "R would be " << lacking->r.both_nm << " nm";
+  EXPECT_EQ(lacking.error().reason, "LACKS_APPROACHES");
+  EXPECT_THAT(lacking.error().message, HasSubstr("2 mm has 7 from below, 3 from above"));
+}
+
+TEST(Iso2302, ASecondReadingAtOnePlaceIsNoSecondApproach) {
+  auto data = compensated_axis(false);
+  for (auto& column : data.columns) {
+    const std::vector<double> first(column.values.begin(), column.values.begin() + 2);
+    column.values.insert(column.values.begin(), {first[0], first[1], first[1]});
+  }
+  data.columns[1].values[2] += 5e-3;  // an outlier
+  data.excluded.insert(data.excluded.begin(), 3, kInUse);
+  data.rows += 3;
+  const auto found = iso230_2(data, {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_LT(found->positions.front().up.r_nm, 100);
 }
 
 // An acceptance report that its makers published (tests/data/standards/README.md): readings, and

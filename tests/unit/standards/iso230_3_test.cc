@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/standards/standards_data.h"
 
 namespace driftwise::standards {
@@ -45,6 +47,39 @@ TEST(Iso2303, TakesAPositionAtRest) {
   EXPECT_NEAR(found->series[0].windows[1].range_nm, 36, 1e-6) << "60 min";
 }
 
+// What `driftwise trajectory iso230-3 --at 1` has run: a return to zero before and after.
+TEST(Iso2303, KeepsTheFirstVisitOfARestAfterAReturnToZero) {
+  std::vector<std::pair<double, double>> visits = {{0, 0}};
+  std::vector<double> drift_nm;
+  for (int i = 0; i < 49; ++i) drift_nm.push_back(1000 * (1 - std::exp(-i / 2.0)));
+  for (const double nm : drift_nm) visits.emplace_back(1, nm);
+  visits.emplace_back(0, 0);
+  auto data = visits_of(visits);
+  data.zero.assign(data.rows, 0);
+  data.zero.front() = data.zero.back() = 1;
+  for (std::size_t row = 0; row < data.rows; ++row)
+    data.time_s[row] = 300 * static_cast<double>(row);
+  const auto found = iso230_3(data, {});
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->series.size(), 1U);
+  EXPECT_EQ(found->series[0].visits, 49U);
+  EXPECT_EQ(found->series[0].side, ApproachSide::unknown) << "at rest";
+  EXPECT_NEAR(found->range_nm, drift_nm.back() - drift_nm.front(), 1e-6);
+  EXPECT_TRUE(found->warnings.empty()) << found->warnings.front();
+}
+
+TEST(Iso2303, NamesASeriesThatIsInNoFigure) {
+  auto data = standards_dataset("iso230_3.csv");
+  auto& commands = const_cast<DatasetColumn*>(data.find("q1_cmd"))->values;
+  commands.back() = 3.5;  // a place of its own
+  const auto found = iso230_3(data, {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(
+      found->warnings,
+      testing::ElementsAre(HasSubstr(
+          "1 series of visits are in no figure: 3.5 mm from below has 1 visits, expected")));
+}
+
 TEST(Iso2303, SaysWhatALackingRunLacks) {
   const auto data = standards_dataset("iso230_3.csv");
   const auto longer = iso230_3(data, {.columns = {}, .hours = 24});
@@ -57,7 +92,7 @@ TEST(Iso2303, SaysWhatALackingRunLacks) {
   EXPECT_EQ(iso230_3(untimed, {}).error().reason, "UNTIMED");
   const auto once = iso230_3(visits_of({{0, 0}, {1, 0}, {2, 0}}), {.columns = {}, .hours = 0.001});
   EXPECT_EQ(once.error().reason, "NO_SERIES");
-  EXPECT_THAT(once.error().message, HasSubstr("1 mm has 1 visits, expected at least 5"));
+  EXPECT_THAT(once.error().message, HasSubstr("1 mm from below has 1 visits, expected at least 5"));
 }
 
 }  // namespace

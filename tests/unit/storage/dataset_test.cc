@@ -206,6 +206,55 @@ TEST_F(DatasetTest, RefusesRunsThatGiveOneSymbolInTwoUnits) {
   EXPECT_TRUE(store->runs().dataset(std::vector{both, same})) << "each quantity is in all rows";
 }
 
+using Lines = std::vector<std::pair<std::string, std::string>>;
+
+TEST_F(DatasetTest, KeepsWhatSeveralFilesStateTogether) {
+  const auto imported = [&](const Lines& lines, bool with_y) {
+    Dataset file;
+    file.rows = 2;
+    file.metadata = lines;
+    file.columns = {{{"x", "mm"}, {0, 1}}, {{"t05", "degC"}, {20, 21}}};
+    if (with_y) file.columns.push_back({{"y", "mm"}, {0, 1}});
+    return store->runs().import_dataset(import_run(), file).value().id;
+  };
+  const auto of = [&](const std::vector<RunId>& runs) { return store->runs().dataset(runs); };
+  const Lines first = {{"cell", "elsewhere"},
+                       {"overruns", "yes"},
+                       {"parts", "t05=robot"},
+                       {"measured_by", "x=laser"}};
+  const RunId one = imported(first, false), same = imported(first, false);
+  EXPECT_EQ(of({one})->metadata, first) << "alone as it is";
+  EXPECT_EQ(of({one, same})->metadata,
+            (Lines{{"overruns", "yes"}, {"parts", "t05=robot"}, {"measured_by", "x=laser"}}));
+
+  // Who says nothing of a part does not contradict; of an instrument, nobody knows which it was.
+  const RunId silent = imported({{"overruns", "yes"}, {"measured_by", "y=probe"}}, true);
+  EXPECT_EQ(of({silent, one})->metadata,
+            (Lines{{"overruns", "yes"},
+                   {"parts", "t05=robot"},
+                   {"measured_by", "y=probe"},
+                   {"left_out", "measured_by of x: not stated by run 4"}}));
+  const RunId other = imported({{"overruns", "yes"}, {"measured_by", "x=scale"}}, false);
+  EXPECT_EQ(of({one, other, same})->metadata.back(),
+            (Lines::value_type{"measured_by", "x=laser*4,scale*2"}));
+
+  const auto refused = [&](const Lines& lines) {
+    const RunId later = imported(lines, false);
+    const auto found = of({one, later});
+    EXPECT_FALSE(found);
+    return found ? Error{} : found.error();
+  };
+  const auto overruns = refused({{"overruns", "no"}, {"parts", "t05=robot"}});
+  EXPECT_EQ(overruns.reason, "METADATA_DISAGREE");
+  EXPECT_EQ(overruns.code, ErrorCode::invalid_argument);
+  EXPECT_THAT(overruns.message,
+              testing::StartsWith("run 2 states '# overruns: yes' and run 6 does not: "));
+  const auto parts = refused({{"overruns", "yes"}, {"parts", "t05=instrument"}});
+  EXPECT_EQ(parts.reason, "METADATA_DISAGREE");
+  EXPECT_THAT(parts.message, testing::StartsWith("run 2 states the part t05=robot and run 7 the "
+                                                 "part t05=instrument: "));
+}
+
 TEST_F(DatasetTest, ImportsNothingOfATableWithUnequalColumns) {
   Dataset file;
   file.rows = 2;

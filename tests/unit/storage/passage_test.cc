@@ -73,23 +73,25 @@ TEST_F(PassageStoreTest, PassagesGoToDiskWithoutAPoint) {
   EXPECT_EQ(points[1].row, 1009);
 }
 
-// What a person keeps out or puts back is rows of the plan: a passage stays what it is.
-TEST_F(PassageStoreTest, NobodyPutsAPassageBack) {
-  commit_with_a_passage();
-  ExclusionRecord word;
-  word.run = run;
-  word.rows = {1008};
-  word.reason = "a word";
-  word.at = at_s(60);
-  word.who = "ada";
-  word.excluded = false;
-  EXPECT_THAT(store->remarks().exclude(word).value().rows, IsEmpty()) << "it was not kept out";
-  for (const bool out : {true, false}) {
-    word.excluded = out;
-    ASSERT_TRUE(store->remarks().exclude(word));
-    EXPECT_THAT(store->runs().dataset(std::vector{run}).value().excluded,
-                ElementsAre(kInUse, kPassageRow, kInUse));
-  }
+TEST_F(PassageStoreTest, OfAnImportedFileItCountsAsNoPointOfTheRun) {
+  Dataset file;
+  file.rows = 5;
+  file.excluded = {kInUse, kPassageRow, kSuspectRow, kPassageRow, kExcludedRow};
+  file.columns = {{{"x", "mm"}, {1, 2, 3, 4, 5}}};
+  NewRun fresh;
+  fresh.name = "imported";
+  fresh.rows = 5;
+  fresh.created = at_s(100);
+  const auto imported = store->runs().import_dataset(fresh, file).value();
+  EXPECT_EQ(imported.rows, 3);
+  EXPECT_EQ(imported.accepted, 3);
+  std::vector<std::int64_t> rows;
+  for (const auto& point : store->points().points(imported.id, 0, 0).value())
+    rows.push_back(point.row);
+  EXPECT_THAT(rows, ElementsAre(0, 3, 1, 4, 2)) << "passages after the rows of the plan";
+  const auto read = store->runs().dataset(std::vector{imported.id}).value();
+  EXPECT_THAT(read.find("x")->values, ElementsAre(1, 2, 3, 4, 5)) << "in the order of the file";
+  EXPECT_EQ(read.excluded, file.excluded);
 }
 
 TEST_F(PassageStoreTest, ItIsPartOfTheRecordThatTheChainProtects) {
@@ -126,6 +128,29 @@ TEST(LeavePassagesOut, KeepsTheRowsOfThePlan) {
   leave_excluded_out(data);
   EXPECT_EQ(data.rows, 1u);
   EXPECT_THAT(data.excluded, IsEmpty());
+}
+
+// What a person keeps out or puts back is rows of the plan.
+TEST_F(PassageStoreTest, APassageIsNeitherKeptOutNorPutBack) {
+  commit_with_a_passage();
+  ExclusionRecord wanted;
+  wanted.run = run;
+  wanted.rows = {1, 1008};
+  wanted.reason = "wrong";
+  wanted.at = at_s(60);
+  for (const bool out : {true, false}) {
+    wanted.excluded = out;
+    const auto refused = store->remarks().exclude(wanted);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().reason, "NO_SUCH_ROW");
+    EXPECT_THAT(refused.error().message,
+                testing::AllOf(testing::HasSubstr("row 1009 of run 1 is a passage"),
+                               testing::HasSubstr("a passage is in no fit"),
+                               testing::HasSubstr("run points 1")));
+  }
+  EXPECT_THAT(store->remarks().exclusions(run).value(), IsEmpty()) << "row 2 stays in as well";
+  EXPECT_THAT(store->runs().dataset(std::vector{run}).value().excluded,
+              ElementsAre(kInUse, kPassageRow, kInUse));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 
+#include "clients/cli/commands/data/exported_csv.h"
 #include "clients/cli/commands/data/join_command.h"
 #include "clients/cli/core/input_text.h"
 #include "clients/cli/core/proto_json.h"
@@ -11,10 +12,12 @@
 #include "clients/cli/core/value_or_throw.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
+#include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/units.h"
 #include "server/correction/instrument_match.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/trajectory_rows.h"
 
 namespace driftwise::cli {
 namespace {
@@ -37,20 +40,23 @@ Failure bad_table(const std::string& message) {
   return Failure{ExitCode::bad_input, "invalid_argument", reasons::kUnknownChannel, message};
 }
 
-NamedColumns columns_of_file(const std::string& file, bool needs_row) {
-  const InputText input(file);
-  const auto data = value_or_throw(formats::read_dataset_csv(input.text(), file));
-  NamedColumns out{.name = file, .row = {}, .mm = {}};
+// name: the file, or "run 3" of an imported one.
+NamedColumns columns_of_text(std::string_view text, const std::string& name, bool needs_row) {
+  auto data = value_or_throw(formats::read_dataset_csv(text, name));
+  leave_passages_out(data);  // they are none of the trajectory
+  NamedColumns out{.name = name, .row = {}, .mm = {}};
   const auto* row = data.find("row");
   if (!row && needs_row)
-    throw bad_table(file +
+    throw bad_table(name +
                     ": no column row_1: each line of the table names the row of the trajectory "
                     "that it belongs to, counted from 1");
+  std::vector<std::int64_t> counted;
+  if (!row) counted = value_or_throw(formats::trajectory_rows(data, name));
   for (std::size_t k = 0; k < data.rows; ++k) {
-    const double number = row ? row->values[k] : static_cast<double>(k + 1);
+    const double number = row ? row->values[k] : static_cast<double>(counted[k]);
     if (!(number >= 1) || number != std::floor(number) || number > 1e9)
       throw Failure{ExitCode::bad_input, "invalid_argument", reasons::kBadInteger,
-                    file + ": row_1 of data row " + std::to_string(k + 1) +
+                    name + ": row_1 of data row " + std::to_string(k + 1) +
                         ": expected the number of a row of the trajectory, from 1"};
     if (data.is_excluded(k)) continue;
     out.row.push_back(static_cast<std::int64_t>(number));
@@ -65,6 +71,11 @@ NamedColumns columns_of_file(const std::string& file, bool needs_row) {
   return out;
 }
 
+NamedColumns columns_of_file(const std::string& file, bool needs_row) {
+  const InputText input(file);
+  return columns_of_text(input.text(), file, needs_row);
+}
+
 std::vector<v1::RowRange> rows_kept_out(const Connection& connection, std::int64_t run) {
   v1::ListExclusionsRequest request;
   request.set_run_id(run);
@@ -76,6 +87,11 @@ NamedColumns columns_of_run(const Session& session, std::int64_t run) {
   constexpr int kPage = 10'000;
   NamedColumns out{.name = "run " + std::to_string(run), .row = {}, .mm = {}};
   const auto connection = session.connect();
+  v1::GetRunRequest which;
+  which.set_run_id(run);
+  // Of an imported run the rows are those of its file, numbered as there.
+  if (connection.ask(&v1::RunService::Stub::GetRun, which).run().reason() == "imported")
+    return columns_of_text(exported_csv(session, {run}, false), out.name, false);
   const auto kept_out = rows_kept_out(connection, run);
   for (std::int64_t after = 0;;) {
     v1::ListPointsRequest request;

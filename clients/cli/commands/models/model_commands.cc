@@ -19,6 +19,7 @@
 #include "clients/cli/core/validators.h"
 #include "clients/cli/pages/accuracy_line.h"
 #include "clients/cli/pages/model_page.h"
+#include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "driftwise/v1/record_service.grpc.pb.h"
 
@@ -112,6 +113,8 @@ ExitCode serving_now(const Session& session, bool any, const v1::Model& model) {
 
 ExitCode promote(const Session& session, const ModelArguments& a) {
   const auto connection = session.connect();
+  // Looked at before the questions: another one that begins to serve meanwhile stays.
+  const auto status = connection.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
   v1::GetModelRequest asked;
   asked.set_model_id(a.id);
   const auto page = connection.ask(&ModelStub::GetModel, asked);
@@ -148,6 +151,7 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   request.set_model_id(a.id);
   request.set_confirmed(!facts.empty());
   request.set_reason(a.reason);
+  request.set_serving_model_id(status.has_serving_model_id() ? status.serving_model_id() : 0);
   return serving_now(session, true, connection.ask(&ModelStub::PromoteModel, request).model());
 }
 

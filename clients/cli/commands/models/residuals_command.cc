@@ -10,6 +10,7 @@
 #include "clients/cli/core/validators.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/core/data/accuracy.h"
+#include "server/core/data/row_marks.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/csv/set_names.h"
 
@@ -35,6 +36,20 @@ std::size_t rows_of(const v1::ListResidualsResponse& residuals) {
                                      : static_cast<std::size_t>(residuals.outputs(0).values_size());
 }
 
+bool is_passage(const v1::ListResidualsResponse& residuals, int row) {
+  return row < residuals.passage_size() && residuals.passage(row);
+}
+
+// As `data exclude` takes it; of several runs "14 of run 2". Of a file: its place there.
+std::string row_name(const v1::ListResidualsResponse& residuals, int row) {
+  if (row >= residuals.rows_size()) return std::to_string(row * residuals.row_step() + 1);
+  const auto& runs = residuals.row_runs();
+  const bool several =
+      std::ranges::any_of(runs, [&](std::int64_t run) { return run != runs.Get(0); });
+  return std::to_string(residuals.rows(row)) +
+         (several ? " of run " + std::to_string(runs.Get(row)) : "");
+}
+
 // Columns as `fit --residuals` names them: q1_residual_nm, q1_held_out_nm.
 Dataset table_of(const v1::ListResidualsResponse& residuals, std::int64_t model) {
   Dataset table;
@@ -44,7 +59,11 @@ Dataset table_of(const v1::ListResidualsResponse& residuals, std::int64_t model)
   table.line = numbers_of<std::int64_t>(residuals.line());
   for (const bool validation : residuals.validation())
     table.set.push_back(validation ? PointSet::validation : PointSet::calibration);
-  for (const bool out : residuals.excluded()) table.excluded.push_back(out ? 1 : 0);
+  for (const bool zero : residuals.zero()) table.zero.push_back(zero ? 1 : 0);
+  for (int row = 0; row < residuals.excluded_size(); ++row)
+    table.excluded.push_back(!residuals.excluded(row)     ? kInUse
+                             : is_passage(residuals, row) ? kPassageRow
+                                                          : kExcludedRow);
   for (const auto& column : residuals.variables())
     table.columns.push_back(
         {{column.symbol(), column.unit()}, numbers_of<double>(column.values())});
@@ -79,7 +98,7 @@ void add_summary(Table& table, const v1::ListResidualsResponse& residuals,
   const ErrorFigures figures = error_figures(errors);
   table.add({output.output() + " " + output.unit(), rows, std::to_string(figures.rows),
              fixed(figures.a90, 1), signed_fixed(figures.mean, 1), fixed(figures.u90, 1),
-             signed_fixed(values[largest], 1), std::to_string(largest * residuals.row_step() + 1)});
+             signed_fixed(values[largest], 1), row_name(residuals, largest)});
 }
 
 // On standard error, with the rows on standard output: how much is left, and where most.

@@ -152,6 +152,11 @@ ExitCode promote_plan(const Session& session, const ServingPlanArguments& a) {
       session.console.out << "plan " << a.id << " serves already: nothing was changed\n";
     return ExitCode::done;
   }
+  // Looked at before the questions: another one that begins to serve meanwhile stays.
+  const auto list = connection.ask(&PlanStub::ListPlans, v1::ListPlansRequest{});
+  std::int64_t serving = 0;
+  for (const auto& one : list.plans())
+    if (one.serves()) serving = one.id();
   v1::CheckPlanRequest asked;
   asked.set_plan_id(a.id);
   const auto check = connection.ask(&PlanStub::CheckPlan, asked, 60);
@@ -172,6 +177,7 @@ ExitCode promote_plan(const Session& session, const ServingPlanArguments& a) {
   v1::PromotePlanRequest request;
   request.set_plan_id(a.id);
   request.set_confirmed(!facts.empty());
+  request.set_serving_plan_id(serving);
   const auto plan = connection.ask(&PlanStub::PromotePlan, request, 60).plan();
   if (session.console.json)
     session.console.print_json(json_from(plan));

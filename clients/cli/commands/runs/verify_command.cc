@@ -56,7 +56,8 @@ void print_verified(const Console& console, const v1::VerifiedRun& verified) {
   table.print(console.out, console.paint_out());
   for (const auto& one : verified.coordinates())
     console.out << "largest of " << one.coordinate() << ": " << signed_fixed(one.largest(), 1)
-                << ' ' << one.unit() << " in row " << one.largest_row() << " of the data\n";
+                << ' ' << one.unit() << " in row " << one.largest_row() << " of run "
+                << verified.run().id() << '\n';
 }
 
 void print_change(const Console& console, const v1::VerifiedChange& change) {

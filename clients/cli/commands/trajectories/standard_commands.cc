@@ -58,7 +58,9 @@ void add_source(CLI::App& command, StandardArguments& a) {
 }
 
 void add_axis(CLI::App& command, standards::AxisColumns& columns) {
-  command.add_option("--axis", columns.axis, "q1, q2, q3, x, y or z")->capture_default_str();
+  command
+      .add_option("--axis", columns.axis, "q1, q2, q3, x, y or z; of one of several robots ma.q1")
+      ->capture_default_str();
   command.add_option(
       "--target", columns.target,
       "column of what was wanted, without its unit; else x_target, goal_x or q1_cmd");

@@ -23,11 +23,14 @@ struct PlanArguments {
 
 // A coordinate of a trajectory, written without its unit.
 Channel coordinate_of(const std::string& symbol) {
-  const bool known = is_motor_symbol(symbol) || symbol == "x" || symbol == "y" || symbol == "z";
-  if (!known)
+  const auto channel = parse_robot_channel(symbol + "_mm");
+  const auto name = without_robot(symbol);
+  if (!channel || !(is_motor_symbol(name) || name == "x" || name == "y" || name == "z"))
     throw Failure{ExitCode::usage, "usage", "USAGE",
-                  "found the coordinate '" + symbol + "', expected q1, q2, ... or x, y, z"};
-  return {symbol, "mm"};
+                  "found the coordinate '" + symbol +
+                      "', expected q1, q2, ... or x, y, z, in a cell of several robots with the "
+                      "robot's id: ma.q1"};
+  return *channel;
 }
 
 std::vector<standards::Held> held_of(const std::vector<std::string>& texts) {

@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/diagnoses/taken_side.h"
 #include "server/application/provenance/provenance.h"
 #include "server/compensation/target.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/diagnosis/diagnosis_json.h"
 #include "server/formats/model/model_json.h"
 #include "storage/sqlite/database.h"
 #include "tests/unit/application/diagnosis/diagnosed_cell.h"
@@ -24,6 +26,7 @@ class ExtensionTest : public testing::Test {
  protected:
   ExtensionTest()
       : d([this](const Dataset&, const dx::DiagnoseOptions& options) -> Result<dx::Diagnosis> {
+          names = {options.name_of_row(0), options.name_of_row(7), options.name_of_row(12)};
           return diagnosis_with(options.baseline.formula, findings);
         }) {
     run = imported("campaign");
@@ -60,8 +63,9 @@ class ExtensionTest : public testing::Test {
     return compensation::compute_target(*d.cell->targets.snapshots().read(), request).q_mm[0];
   }
 
-  // What the scripted search answers with.
+  // What the scripted search answers with, and what it would name the rows 0, 7 and 12.
   std::vector<dx::Finding> findings;
+  std::vector<std::string> names;
   // In q1 the cycle shows with the other sign, times the axis' 1.0002.
   dx::Finding cycle() const {
     return finding_of("cyclic_error", "x", AppliesTo::correction,
@@ -102,6 +106,26 @@ TEST_F(ExtensionTest, AnInstrumentsErrorIsCorrectedInTheDataAndStaysOutOfTheMode
         largest_nm, 1e6 * std::abs(after.find("x")->values[row] - before.find("x")->values[row]));
   EXPECT_NEAR(largest_nm, kCycleNm, 1);
   EXPECT_THAT(d.cell.events_named("extension.accepted").at(0), HasSubstr("correction 1"));
+}
+
+// Five rows in each line, with the run's first zero before them and a return of its own after each
+// line: places 0, 6 and 12 of the dataset are passages.
+TEST_F(ExtensionTest, OfAMeasuredRunNamesTheRowsOfItsPlan) {
+  const RunId own = d.measured(lines_of(3, {-4, -2, 1, 3, 4}, false));
+  auto wrong = outlier();
+  wrong.rows = {7, 8, 12};
+  findings = {wrong};
+  const auto found = d.diagnosed(own, "q ~ x");
+  const std::string of_run = " of run " + std::to_string(own.value);
+  EXPECT_THAT(names, ElementsAre("row 1" + of_run, "row 6" + of_run, "row 11" + of_run));
+  const auto json = formats::diagnosis_json(*found.found, found.origins);
+  EXPECT_EQ(json.at("findings").at(0).at("rows"), (nlohmann::json{6, 7}));
+  EXPECT_EQ(json.at("findings").at(0).at("row_runs"), (nlohmann::json{own.value, own.value}));
+  const auto made = accept(found.record.id);
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_EQ(made->excluded.size(), 1u);
+  EXPECT_THAT(made->excluded[0].rows, ElementsAre(5, 6)) << "the record counts from 0";
+  ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, found.record.id)));
 }
 
 TEST_F(ExtensionTest, OfAModelThatMissesTheWantedAccuracyIsPromotedWithAWrittenReason) {

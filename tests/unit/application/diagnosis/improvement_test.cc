@@ -343,6 +343,35 @@ TEST_F(ImprovementTest, IsUndoneWhenTheFreshPointsDoNotShowIt) {
   EXPECT_GT(record.turns[0].gains[0].measured->a90, record.turns[0].gains[0].measured_before->a90);
 }
 
+// A lag of an hour needs five hours of readings before a row; these runs take minutes.
+class SlowLagTest : public ImprovementTest {
+ protected:
+  SlowLagTest()
+      : ImprovementTest([](const Dataset&, const dx::DiagnoseOptions& options) {
+          auto found = diagnosis_with(options.baseline.formula,
+                                      {finding_of("thermal_lag", "t01", effects::AppliesTo::robot,
+                                                  {"lag(t01, 3600 s)"}, {-1e-4})});
+          dx::OutputSummary q1;
+          q1.output = "q1";
+          q1.unit = "nm";
+          q1.u90_calibration_before = q1.a90_calibration_before = 300;
+          q1.u90_calibration_after = q1.a90_calibration_after = 20;
+          found.outputs = {q1};
+          return Result<dx::Diagnosis>(found);
+        }) {}
+};
+
+TEST_F(SlowLagTest, IsUndoneBecauseTheFreshPointsCannotJudgeIt) {
+  const auto record = finished(begin()->id);
+  EXPECT_EQ(record.state, JobState::done);
+  EXPECT_THAT(record.reason, HasSubstr("cannot judge the gain"));
+  EXPECT_THAT(record.reason, HasSubstr("it was undone"));
+  ASSERT_TRUE(record.turns[0].diagnosis);
+  const auto view = d.look(*record.turns[0].diagnosis);
+  ASSERT_TRUE(view.extension);
+  EXPECT_FALSE(view.extension->stands());
+}
+
 // A search that also names a laser whose scale drifts by 126 ppm/h.
 class ImpossibleLaserTest : public ImprovementTest {
  protected:

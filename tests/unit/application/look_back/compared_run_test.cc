@@ -122,6 +122,23 @@ TEST(ComparedRun, NamesTheUnitThatResidualsAreIn) {
   EXPECT_EQ(run.residuals[1].unit, "arcsec");
 }
 
+// One row is wrong by 1 mm and kept out, and one is a passage.
+TEST(ComparedRun, HasNoRowInItsFiguresThatIsKeptOut) {
+  ModelResiduals residuals;
+  residuals.data = axis_data();
+  residuals.data.excluded = {0, 0, 1, 0, 4, 0};
+  residuals.data.columns.push_back({{"t07", "degC"}, {20, 21, 80, 22, -300, 23}});
+  residuals.outputs = {{{"q1", "mm"}, {4, -7, 1e6, 5, -2e6, 0}, {}}};
+  ComparedRun run;
+  add_residuals(residuals, run);
+  add_measured(residuals.data, datums(), run);
+  ASSERT_EQ(run.residuals.size(), 1u);
+  EXPECT_THAT(run.residuals[0].values, ElementsAre(4, -7, 5, 0));
+  EXPECT_DOUBLE_EQ(run.residuals[0].range, 12);
+  ASSERT_FALSE(run.temperatures.empty());
+  EXPECT_DOUBLE_EQ(run.temperatures.back().range, 3);
+}
+
 TEST(ComparedRun, HasNoRateOfFewerThanThreeValues) {
   auto data = axis_data();
   data.zero = {1, 0, 1, 0, 0, 0};

@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "server/application/motion/datum_opening.h"
+#include "server/core/data/row_marks.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
@@ -127,6 +130,48 @@ TEST_F(ModelResidualsTest, OfARunWithoutAKnownZeroHaveNoMeanAndSaySo) {
   const auto found = residuals(model, {imported->id});
   EXPECT_NEAR(mean(found.outputs[0].values), 0, 1e-6);
   EXPECT_THAT(found.mean_taken_out, ElementsAre(imported->id));
+}
+
+// A plan without returns of its own: the axis returns after each line by itself, and the row of the
+// plan is no longer the place in the dataset.
+TEST_F(ModelResidualsTest, NameTheRowOfThePlanThatIsKeptOutByThatNumber) {
+  const RunId run = cell.begin_run(lines_of(6, {-4, -2, 1, 3, 4}, false)).id;
+  cell.finish_run();
+  const auto found = residuals(fitted_to({run}), {run});
+  const auto points = cell.await(cell.points(run, 0, 1000, true));
+  ASSERT_TRUE(points);
+  ASSERT_EQ(found.origins.size(), found.data.rows);
+  ASSERT_EQ(found.data.rows, 37u) << "30 points, the first zero and a return after each line";
+  std::size_t largest = 0;
+  for (std::size_t row = 0; row < found.data.rows; ++row) {
+    EXPECT_EQ(found.origins[row].run, run);
+    const auto point = std::ranges::find(*points, found.origins[row].row, &PointRecord::row);
+    ASSERT_NE(point, points->end());
+    EXPECT_EQ(point->passage, is_passage(found.data, row));
+    if (point->passage) continue;
+    EXPECT_EQ(found.data.find("x")->values[row], *application::find_value(point->values, "x_mm"));
+    if (row > 12 && (largest == 0 || std::abs(found.outputs[0].values[row]) >
+                                         std::abs(found.outputs[0].values[largest])))
+      largest = row;
+  }
+  ASSERT_NE(found.origins[largest].row, static_cast<std::int64_t>(largest));
+  ExclusionRecord wrong;
+  wrong.run = run;
+  wrong.rows = {found.origins[largest].row};
+  wrong.reason = "wrong";
+  ASSERT_TRUE(cell.await(cell->annotations.exclude_rows(cell.ada, wrong)));
+  const auto after = residuals(fitted_to({run}), {run});
+  EXPECT_EQ(after.data.excluded[largest], kExcludedRow);
+  EXPECT_EQ(std::ranges::count(after.data.excluded, kExcludedRow), 1);
+}
+
+TEST_F(ModelResidualsTest, OfATextHaveNoRowsOfAPlan) {
+  const auto model = fitted_to({runs[0]});
+  const auto csv = cell.await(cell->datasets.export_csv({runs[0]}, false));
+  ASSERT_TRUE(csv);
+  const auto found = cell.await(cell->models.residuals(model, {}, *csv));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(found->origins, IsEmpty());
 }
 
 }  // namespace

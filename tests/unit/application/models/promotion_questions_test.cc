@@ -90,6 +90,61 @@ TEST(ImportedGeometryQuestions, AreAskedOfARobotFileThatNoDataJudged) {
   EXPECT_THAT(imported_geometry_questions(model), IsEmpty());
 }
 
+KinematicsDescription delta() {
+  KinematicsDescription robot;
+  robot.kind = "delta-vertical";
+  for (int i = 0; i < 3; ++i)
+    robot.branches.push_back({.motor = {"q" + std::to_string(i + 1), "mm"},
+                              .azimuth_deg = 120.0 * i,
+                              .radius_mm = 40,
+                              .length_mm = 70});
+  return robot;
+}
+KinematicsDescription axis() {
+  KinematicsDescription robot;
+  robot.kind = "linear-axis";
+  robot.axes = {{.motor = {"q1", "mm"}, .pose = {"x", "mm"}}};
+  return robot;
+}
+KinematicsDescription arm() {
+  KinematicsDescription robot;
+  robot.kind = "serial-arm";
+  robot.links = {{.motor = {"q1", "deg"}, .d_mm = 300, .alpha_deg = 90},
+                 {.motor = {"q2", "deg"}, .a_mm = 500},
+                 {.motor = {"q3", "deg"}, .a_mm = 400}};
+  robot.links[1].errors.drift_channel = {"t05", "degC"};
+  robot.links[1].errors.drift_arcsec_per_k = 3;
+  return robot;
+}
+
+struct Robot {
+  const char* name;
+  KinematicsDescription robot;
+  std::vector<std::string> used;
+};
+class GeometryOf : public testing::TestWithParam<Robot> {};
+
+// The cell file's laser is a part of a geometry that was identified from its lengths, and so is the
+// thermometer of a joint.
+TEST_P(GeometryOf, IsAskedAboutEveryDeviceThatItWasIdentifiedFrom) {
+  const auto& [name, robot, used] = GetParam();
+  calibration::Model model;
+  model.geometry = calibration::Geometry{robot, {}, Eigen::MatrixXd::Identity(1, 1)};
+  EXPECT_THAT(symbols_used(model), testing::UnorderedElementsAreArray(used));
+  for (const auto& symbol : used) {
+    formats::ConfigurationChange change;
+    change.asks = true;
+    change.affects = {symbol};
+    EXPECT_THAT(configuration_questions(model, {change}), SizeIs(1)) << symbol;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, GeometryOf,
+    testing::Values(Robot{"Delta", delta(), {"x", "y", "z", "q1", "q2", "q3"}},
+                    Robot{"Axis", axis(), {"x", "q1"}},
+                    Robot{"Arm", arm(), {"x", "y", "z", "q1", "q2", "q3", "t05"}}),
+    [](const auto& row) { return std::string(row.param.name); });
+
 TEST(AccuracyQuestions, KeepUnitsApart) {
   EXPECT_THAT(accuracy_questions(model_of(80e-6, 60), {{{"wanted_a90_arcsec", "1"}}}), IsEmpty());
 }

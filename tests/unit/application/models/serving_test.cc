@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/motion/datum_opening.h"
 #include "server/compensation/correction_parts.h"
 #include "server/compensation/target.h"
 #include "server/core/units.h"
@@ -257,6 +258,34 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
             std::string::npos);
   EXPECT_EQ(cell.await(cell->checks.verify_runs({RunId{99}}, std::nullopt)).error().code,
             ErrorCode::not_found);
+}
+
+// The run returns to zero by itself after each line: its rows 3 to 5 are not the places 3 to 5 of
+// its dataset.
+TEST_F(ServingTest, AVerificationNamesTheRowOfThePlan) {
+  const auto model = fit_after_campaign();
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id, true)));
+  auto request = application::CreateRun{};
+  request.trajectory_text =
+      "x_mm,set,line\n1,validation,1\n-2.5,validation,1\n3.7,validation,2\n-1,validation,2\n"
+      "2,validation,3\n";
+  const auto run = cell.try_run(request);
+  ASSERT_TRUE(run) << run.error().message;
+  ASSERT_EQ(cell.finish_run().state, RunState::done);
+  const auto found = cell.await(cell->checks.verify_runs({run->id}, std::nullopt));
+  ASSERT_TRUE(found) << found.error().message;
+  const auto& x = found->runs.at(0).coordinates.at(0);
+  const auto points = cell.await(cell.points(run->id, 0, 100, true));
+  ASSERT_TRUE(points);
+  ASSERT_GT(points->size(), 8u) << "five points and the passages";
+  const auto named = std::ranges::find_if(*points, [&](const PointRecord& point) {
+    return point.row == static_cast<std::int64_t>(x.largest_row);
+  });
+  ASSERT_NE(named, points->end());
+  ASSERT_FALSE(named->passage);
+  const double error_mm = *application::find_value(named->values, "x_target_mm") -
+                          *application::find_value(named->values, "x_mm");
+  EXPECT_NEAR(x.largest, error_mm * 1e6, 1e-6);
 }
 
 TEST_F(ServingTest, ATargetAfterHomingByHandCountsFromTheNewDatum) {

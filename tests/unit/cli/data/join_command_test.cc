@@ -1,5 +1,7 @@
 // `driftwise data join`: dataset files without a daemon, and runs of the record.
 
+#include <algorithm>
+
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -72,6 +74,38 @@ TEST_F(JoinCommand, KeepsWhatTheFirstFileSaysOfItsTimesAndSets) {
   EXPECT_THAT(joined.out, HasSubstr("\n15,calibration,"));
   const auto without = run({"data", "join", named, second(), "--subtract-returns", "-o", "-"});
   EXPECT_THAT(without.out, HasSubstr("\n90,inside,")) << "rows are counted with the returns";
+}
+
+// A passage before row 2 of the file, and row 5 was given up.
+std::string with_a_passage(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string out = "# trajectory_rows: 1-4,6-13\n", line;
+  for (int row = -1; std::getline(lines, line);) {
+    if (line.starts_with('#')) {
+      out += line + "\n";
+      continue;
+    }
+    if (row == 1)
+      out += "1,calibration,10,0,0" +
+             std::string(static_cast<std::size_t>(std::ranges::count(line, ',')) - 3, ',') + "\n";
+    out += (row < 0 ? "passage," : "0,") + line + "\n";
+    ++row;
+  }
+  return out;
+}
+
+TEST_F(JoinCommand, OfImportedRunsKeepsSetsAndRowsBesideAPassage) {
+  const auto with = [](const std::string& columns, double offset) {
+    return with_a_passage(with_a_set(session_csv(columns, offset)));
+  };
+  for (const auto& csv : {with("x_mm ry_arcsec", 0.001), with("y_mm ry_arcsec", -0.002)})
+    ASSERT_EQ(run({"data", "import", file("part.csv", csv)}).exit, 0);
+  const auto joined = run({"data", "join", "1", "2"});
+  ASSERT_EQ(joined.exit, 0) << joined.err;
+  const auto out = run({"data", "export", "3"}).out;
+  EXPECT_THAT(out, HasSubstr("# trajectory_rows: 1-4,6-13\n"));
+  EXPECT_THAT(out, HasSubstr("\n30,inside,")) << out;
+  EXPECT_THAT(out, HasSubstr("\n15,calibration,"));
 }
 
 TEST_F(JoinCommand, AngleDriftKeepsSetsAndCountsTheAnglesItEmpties) {

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "server/core/data/reading.h"
+#include "server/core/data/row_marks.h"
 #include "server/diagnosis/rows/problem.h"
 #include "server/formats/formula/formula.h"
 
@@ -64,6 +65,12 @@ INSTANTIATE_TEST_SUITE_P(
         TooFew{"Excluded", 60, [](Dataset& data) { data.excluded.assign(60, 1); },
                "60 rows are left out (marked excluded, the same as an earlier row, or without a "
                "value of a condition): take back the marks that are wrong"},
+        TooFew{"RowsBetweenPassages", 24,
+               [](Dataset& data) {
+                 data.excluded.assign(24, 0);
+                 for (std::size_t row = 0; row < 24; row += 2) data.excluded[row] = kPassageRow;
+               },
+               "finds 12 in data of 12 rows: measure more, or leave terms out of the baseline"},
         TooFew{"ExcludedAndEmpty", 20,
                [](Dataset& data) {
                  data.excluded.assign(20, 0);

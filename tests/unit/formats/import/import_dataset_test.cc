@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -236,6 +237,51 @@ TEST(ImportDataset, SeesTheClockSetBackWhateverTheSpacingOfTheRows) {
       EXPECT_THAT(error.message, HasSubstr("utc_offset_h"));
       EXPECT_THAT(error.message, testing::Not(HasSubstr("sorts the rows")));
     }
+}
+
+// Stamps of a clock that goes back by `early_s` two hours before summer time ends, one row every
+// 61 s from 0 to 6 h; late_row: one that stands 90 s behind the next, an hour after.
+std::string night_with_a_clock_set_right(int early_s, bool late_row) {
+  std::vector<std::string> rows;
+  for (int i = 0; i < 350; ++i) {
+    const int real_s = 61 * i;
+    const int local_s = real_s - (real_s >= 3 * 3600 ? 3600 : 0) + (real_s < 3600 ? early_s : 0);
+    const auto two = [](int value) { return std::to_string(100 + value).substr(1); };
+    rows.push_back("2026-10-25T" + two(local_s / 3600) + ":" + two(local_s / 60 % 60) + ":" +
+                   two(local_s % 60) + "," + std::to_string(i) + "\n");
+  }
+  if (late_row) std::rotate(rows.begin() + 250, rows.begin() + 251, rows.begin() + 253);
+  std::string csv = "t,x\n";
+  for (const auto& row : rows) csv += row;
+  return csv;
+}
+
+// 3 h is 177 rows of 61 s: the row in line 180 is the first of winter.
+TEST(ImportDataset, SeesTheClockSetBackWhateverOtherStepsBackTheFileHas) {
+  for (const int early_s : {0, 63, 200})
+    for (const bool late_row : {false, true})
+      for (const std::string order : {"as-it-is", "by-time"}) {
+        SCOPED_TRACE(std::to_string(early_s) + (late_row ? " s, late row, " : " s, ") + order);
+        const auto error = refused(night_with_a_clock_set_right(early_s, late_row),
+                                   std::string(kTimed) + "order = \"" + order + "\"\n");
+        EXPECT_EQ(error.reason, "TIME_NOT_INCREASING");
+        EXPECT_THAT(error.message, HasSubstr("lab.csv:180: "));
+        EXPECT_THAT(error.message, HasSubstr("the one such step in the file"));
+        EXPECT_THAT(error.message, HasSubstr("summer time?"));
+        EXPECT_THAT(error.message, testing::Not(HasSubstr("by-time")));
+      }
+}
+
+// Rows every 20 s, with a pause over lunch of 50 min, and two that are 3 s and 8 s late: a pause
+// does not make an hour of the clock out of them.
+TEST(ImportDataset, SortsLateLocalRowsOfAFileWithAPause) {
+  const auto out = imported(
+      "t,x\n2026-10-25T11:00:00,1\n2026-10-25T11:00:20,2\n2026-10-25T11:00:43,4\n"
+      "2026-10-25T11:00:40,3\n2026-10-25T11:01:00,5\n2026-10-25T11:51:00,6\n"
+      "2026-10-25T11:51:28,8\n2026-10-25T11:51:20,7\n2026-10-25T11:51:40,9\n",
+      std::string(kTimed) + "order = \"by-time\"\n");
+  EXPECT_EQ(out.report.late_rows, 2u);
+  EXPECT_EQ(out.dataset.columns[0].values, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
 
 // Nor is a row that a logger wrote a second late an hour of the clock.

@@ -68,6 +68,13 @@ TEST(Report, ResolvesATenthOfANanometreAtTenMillimetres) {
   EXPECT_EQ(unpacked_floats(data["points"]["time_s"])[1], 120);
 }
 
+TEST(Report, SaysOfEachPointWhichZeroItCountsFrom) {
+  auto report = empty_report();
+  for (const std::int64_t datum : {3, 3, 4}) report.points.emplace_back().datum = DatumId{datum};
+  const auto data = formats::run_report_json(report);
+  EXPECT_THAT(unpacked_floats(data["points"]["datum"]), testing::ElementsAre(3, 3, 4));
+}
+
 TEST(Report, TellsHowLongTheRunLastedAlsoWhenTheClockWasSetBackMeanwhile) {
   auto report = empty_report();
   report.utc = [](CellTime at) {
