@@ -1,6 +1,7 @@
 #include "server/formats/import/row_order.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -14,6 +15,15 @@ namespace {
 
 constexpr std::int64_t kHour_ns = 3'600'000'000'000, kHalf_ns = kHour_ns / 2;
 constexpr std::int64_t kMinute_ns = kHour_ns / 60;
+
+// Clocks go back in autumn: September to November in the north, March to May in the south (tz
+// database).
+bool may_be_set_back_in(CellTime time) {
+  const auto day = std::chrono::floor<std::chrono::days>(
+      std::chrono::sys_time<std::chrono::nanoseconds>(std::chrono::nanoseconds(time.utc_ns)));
+  const auto month = static_cast<unsigned>(std::chrono::year_month_day(day).month());
+  return (month >= 3 && month <= 5) || (month >= 9 && month <= 11);
+}
 
 }  // namespace
 
@@ -34,8 +44,8 @@ std::vector<std::int64_t> RowTimes::forward_steps_ns() const {
 // stamp is behind the one before by that hour less the time between the two rows, which is known by
 // the other steps alone: rows of 45 min step back by 15, rows of an hour repeat a stamp. Each step
 // is judged by itself: a clock that was set right, or a late row, elsewhere in the file excuses
-// none. Where there are several, series that were joined out of order explain the shorter ones:
-// there the time between is that of most rows, and not of the longest pause.
+// none. Several of them count in the months of such changes only: series that were joined out of
+// order step back as well.
 std::vector<std::size_t> RowTimes::rows_of_clock_set_back() const {
   std::vector<std::size_t> found, same;
   auto steps_ns = forward_steps_ns();
@@ -50,10 +60,10 @@ std::vector<std::size_t> RowTimes::rows_of_clock_set_back() const {
     const std::int64_t back_ns = (rows_[i - 1].time - rows_[i].time).count();
     if (back_ns == 0) same.push_back(i);
     if (back_ns <= 0 || back_ns > kHour_ns) continue;
+    if (steps_back > 1 && !may_be_set_back_in(rows_[i].time)) continue;
     // Less than a minute is left of the hour after a pause of just that length: too rare to refuse
     // late rows of every file with a pause, unless its rows are that far apart as a rule.
-    const bool is_usual = back_ns < kMinute_ns || steps_back > 1;
-    const std::int64_t between_ns = is_usual ? median_ns : largest_ns;
+    const std::int64_t between_ns = back_ns < kMinute_ns ? median_ns : largest_ns;
     if (back_ns + between_ns >= kHalf_ns) found.push_back(i);
   }
   // Rows of one stamp are common where the stamps are coarser than the rows, and only there.
