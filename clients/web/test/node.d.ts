@@ -1,4 +1,4 @@
-// What tests use of Node, in place of all its types.
+// Types of Node that tests use, in place of all of them.
 declare module 'node:fs' {
   export function readdirSync(folder: string, options: { withFileTypes: true }): { name: string; isDirectory(): boolean }[];
   export function readFileSync(name: string, encoding: 'utf8'): string;

@@ -96,7 +96,7 @@ void add_device_clocks(const CellStatus& status, std::vector<AlarmCondition>& ou
   }
 }
 
-// Whatever is done about a forced shutdown, upsd keeps it until it is started anew.
+// The forced shutdown of a supply. upsd keeps it until it is started anew.
 void add_forced_shutdowns(const CellStatus& status, std::vector<AlarmCondition>& out) {
   for (const auto& latest : status.values) {
     const auto device = std::ranges::find(status.devices, latest.device,

@@ -1,5 +1,5 @@
-// What an alarm of before the daemon's start needs until its source's silence means that it is
-// over. A source keeps in memory since when a condition holds; the store keeps only that it held.
+// Conditions on which an alarm of before the daemon's start ends by its source's silence. A source
+// keeps in memory since when a condition holds; the store keeps only that it held.
 
 #include <algorithm>
 
@@ -70,7 +70,7 @@ bool AlarmsService::has_judged(const AlarmRecord& alarm) const {
     return has_judged_run(alarm);
   if (is_one_of(kind, {"model.damaged", "serving.trouble", "run.begins_soon", "run.moves_soon"}))
     return start_is_done_;
-  // What ends it is a datum that is opened, as without a restart.
+  // A datum that is opened ends it, as without a restart.
   if (kind == "motion.uncommanded") return doubts_.has_datum();
   if (kind == "load.on") return start_is_done_ && (!description_.load || force_now());
   if (kind == "stop.unconfirmed")

@@ -59,7 +59,7 @@ class AlarmsService final : public Alarms {
   void start();  // looks until shut_down()
   void shut_down();
   void look_now() { wake_.raise(); }
-  // What serves serves again, an unfinished run goes on: their silence says something from now on.
+  // The start is done: serving and an unfinished run go on, and their silence counts from now on.
   void note_start_is_done() { start_is_done_ = true; }
   void note_progress(const RunProgress& progress);
   void note(AlarmCondition condition);  // it happened and is over at once

@@ -15,7 +15,7 @@ class Promotions {
  public:
   virtual ~Promotions() = default;
 
-  // What a caller saw serve before asking for another one; none: no model did.
+  // The model that a caller saw serve before asking for another one; none: no model did.
   struct Seen {
     std::optional<ModelId> serving;
   };

@@ -35,7 +35,7 @@ class Plans {
  public:
   virtual ~Plans() = default;
 
-  // What a caller saw serve before asking for another one; none: no plan did.
+  // The plan that a caller saw serve before asking for another one; none: no plan did.
   struct Seen {
     std::optional<PlanId> serving;
   };

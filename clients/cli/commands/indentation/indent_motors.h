@@ -35,7 +35,7 @@ class IndentMotors {
   Result<Motors> of(const std::string& robot, const IndentPose& pose);
   // The last answer's source: "plan 1, mn=5, ma=coarse:1", "geometry, raw motor coordinates: ...".
   const std::string& by() const { return by_; }
-  // What the heights of its coordinates depend on: "plan 1", "geometry".
+  // Source of its heights: "plan 1", "geometry".
   const std::string& source() const { return source_; }
 
  private:

@@ -67,6 +67,6 @@ export function Outlet({ entry }: { entry: ViewEntry }) {
   }, [shown]);
   if (failed) return <OldPage title={entry.title} />;
   if (!shown) return <Awaiting what={`the view ${entry.title}`} />;
-  // What a view chose, computed and merged is of the record that it was loaded from.
+  // State of a view: of the record that it was loaded from.
   return <Guarded title={entry.title}><NoteMarks key={epoch.value}><shown.View /></NoteMarks></Guarded>;
 }

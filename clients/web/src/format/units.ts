@@ -12,7 +12,7 @@ export function splitChannel(channel: string): { symbol: string; unit: string } 
 // Robot of a channel, with its dot: "mn." of "mn.q1_mm"; "" where the cell has one robot only.
 export const robotOf = (channel: string): string => channel.slice(0, channel.lastIndexOf('.') + 1);
 
-// What a channel, or its symbol, is of: the motors, the lengths or the tilts of the pose; undefined: something else.
+// Kind of a channel, or of its symbol: motors, lengths or tilts of the pose; undefined: something else.
 export function kindOf(channel: string): 'motor' | 'pose' | 'tilt' | undefined {
   const name = channel.slice(robotOf(channel).length);
   return /^q\d/.test(name) ? 'motor' : /^[xyz](_[^_]+)?$/.test(name) ? 'pose' : /^r[xyz](_[^_]+)?$/.test(name) ? 'tilt' : undefined;

@@ -46,7 +46,7 @@ export function spreadSpec(report: Report): PlotSpec {
   };
 }
 
-// What the instruments read at each return to zero, against the first of the same datum: the drift of the zero.
+// Drift of the zero: readings of the instruments at each return to zero, against the first of the same datum.
 export function zeroSpec(report: Report): PlotSpec {
   const rows = report.points.zero.map((zero, i) => (zero ? i : -1)).filter((i) => i >= 0);
   const time = hours(report);

@@ -1,4 +1,4 @@
-// What a story tells, against the names that the daemon writes into its record.
+// Events of a story, against the names that the daemon writes into its record.
 import { readdirSync, readFileSync } from 'node:fs';
 import { expect, it } from 'vitest';
 import { readReport } from '@/report/data';

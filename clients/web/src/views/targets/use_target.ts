@@ -22,7 +22,7 @@ export interface TargetState {
 const everyMs = 1000;
 const hourMs = 3_600_000;
 
-// What a correction is computed by, beside the pose: another model, or another zero, gives another one.
+// Model and zero that a correction is computed by, beside the pose: another one of them gives another correction.
 export interface ComputedBy {
   modelId: bigint;
   datum: string; // changes when the model's constant does
