@@ -24,13 +24,6 @@ struct Overloaded : Visits... {
   using Visits::operator()...;
 };
 
-// Cut off by a stop or the end of the daemon, or refused before it was sent: says nothing about the
-// device.
-bool is_no_answer(const Error& error) {
-  return error.code == ErrorCode::aborted || error.code == ErrorCode::cancelled ||
-         error.code == ErrorCode::invalid_argument || error.code == ErrorCode::out_of_range;
-}
-
 }  // namespace
 
 DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts,

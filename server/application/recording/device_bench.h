@@ -172,4 +172,11 @@ inline bool is_device_loss(const Error& error) {
          error.code == ErrorCode::data_loss;
 }
 
+// An exchange that was cut off by a stop or the end of the daemon, or refused before it was sent:
+// it says nothing about the device.
+inline bool is_no_answer(const Error& error) {
+  return error.code == ErrorCode::aborted || error.code == ErrorCode::cancelled ||
+         error.code == ErrorCode::invalid_argument || error.code == ErrorCode::out_of_range;
+}
+
 }  // namespace driftwise::application

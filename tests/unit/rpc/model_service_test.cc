@@ -22,6 +22,17 @@ class ModelServiceTest : public RpcTest {
     request.set_formula("q ~ x + T");
     return request;
   }
+  // A model as it stands in the store, whoever could have made it.
+  void keep(const std::string& name, const calibration::Model& model) {
+    ASSERT_TRUE(cell.on_store([&](Store& store) {
+      ModelRecord record;
+      record.name = name;
+      record.json = formats::write_model_json(model);
+      record.hash = formats::model_hash(model);
+      record.created_by = "ada";
+      return store.models().add_model(record);
+    }));
+  }
   template <class Request>
   Request of(std::int64_t id) {
     Request request;
@@ -97,14 +108,7 @@ TEST_F(ModelServiceTest, ListsAModelThatCannotBeReadAsOneDamagedLine) {
   unreadable.geometry->robot.kind = "linear-axis";
   unreadable.geometry->robot.axes = {
       {.motor = {"q1", "mm"}, .pose = {"x", "mm"}, .scale_ppm = -2000020}};
-  ASSERT_TRUE(cell.on_store([&](Store& store) {
-    ModelRecord record;
-    record.name = "reversed";
-    record.json = formats::write_model_json(unreadable);
-    record.hash = formats::model_hash(unreadable);
-    record.created_by = "ada";
-    return store.models().add_model(record);
-  }));
+  keep("reversed", unreadable);
   cell.add_model("q ~ x + T");
   const auto list = ask(&ModelStub::ListModels, {});
   ASSERT_TRUE(list) << list.error().message;
@@ -138,14 +142,7 @@ TEST_F(ModelServiceTest, WritesTheRobotFileOfAnArmInItsFirstDatum) {
                                                        : Eigen::Vector2d(Eigen::Vector2d::Zero());
     output.covariance = Eigen::Matrix2d::Zero();
   }
-  ASSERT_TRUE(cell.on_store([&](Store& store) {
-    ModelRecord record;
-    record.name = "both";
-    record.json = formats::write_model_json(model);
-    record.hash = formats::model_hash(model);
-    record.created_by = "ada";
-    return store.models().add_model(record);
-  }));
+  keep("both", model);
   const auto shown = ask(&ModelStub::GetModel, of<v1::GetModelRequest>(1));
   ASSERT_TRUE(shown) << shown.error().message;
   const auto file =
