@@ -125,8 +125,11 @@ void RunEngine::want_datum(const ActiveRun& run, bool beam_lost, bool reference_
   if (beam_lost) wanted_datum_->before.reset();
 }
 
+// Before the first datum what is left is the permission of a run that begins by itself: axes that
+// were never referenced come so from their power supply, and nobody has switched them off.
 void RunEngine::take_back_permission() {
-  if (switch_on_ == SwitchOn::yes) switch_on_ = SwitchOn::no;
+  if (switch_on_ == SwitchOn::yes)
+    switch_on_ = had_datum_ ? SwitchOn::no : SwitchOn::if_unreferenced;
 }
 
 // A servo that is off right after a person has asked for motion was off when they asked: the datum
