@@ -77,6 +77,16 @@ class NotifyDeskTest : public testing::Test {
     further.notifier = std::make_unique<OutsideNotifier>(outside);
     return cell_.emplace(world, description, kSqlite, std::move(further));
   }
+  // A device was lost and came back, and both were told.
+  CellInMemory& open_with_an_alarm_that_is_over() {
+    auto& cell = open();
+    cell.pass(30);
+    world.scanner_away = true;
+    cell.pass(120);
+    world.scanner_away = false;
+    cell.pass(120);
+    return cell;
+  }
   // As after a kill: nothing of the old cell is asked any more.
   CellInMemory& reopen() {
     begin = cell_->now() + nanoseconds_from_s(1);
@@ -172,12 +182,7 @@ TEST_F(NotifyDeskTest, ADeviceThatIsAwayOverARestartIsNotToldAsOver) {
 }
 
 TEST_F(NotifyDeskTest, WhatIsDoneToAnAlarmThatIsOverIsNoNews) {
-  auto& cell = open();
-  cell.pass(30);
-  world.scanner_away = true;
-  cell.pass(120);
-  world.scanner_away = false;
-  cell.pass(120);
+  auto& cell = open_with_an_alarm_that_is_over();
   const auto id = alarm_of("device.lost");
   EXPECT_THAT(outside.told, SizeIs(2)) << "begun and over";
   ASSERT_TRUE(cell.await(cell->alarms.shelve(cell.ada, id, 60, "the door is open")));
@@ -198,12 +203,7 @@ TEST_F(NotifyDeskTest, WhatIsDoneToAnAlarmThatIsOverIsNoNews) {
 }
 
 TEST_F(NotifyDeskTest, AnAlarmThatWasOverEightDaysAgoIsNoNewsWhenItIsAcknowledged) {
-  auto& cell = open();
-  cell.pass(30);
-  world.scanner_away = true;
-  cell.pass(120);
-  world.scanner_away = false;
-  cell.pass(120);
+  auto& cell = open_with_an_alarm_that_is_over();
   begin = cell.now() + nanoseconds_from_s(8 * 86'400);
   auto& again = open();
   again.pass(60);
