@@ -44,7 +44,7 @@ v1::HoldAnswer answer_about(const Console& console, const v1::Run& run,
   std::vector<std::string> facts = {"the robot moves: look at the machine first"};
   if (run.hold().kind() == v1::RunHold::KIND_STOP)
     facts.push_back(run.hold().who() + " resumes it, or another one with --override REASON");
-  facts.push_back("names are stated, not proved: this is no lock-out");
+  facts.push_back("this question is no lock-out: others can move the robot too");
   confirm(console, options.yes, what_happened(run, now), facts, verb);
   answer.set_hold_id(run.hold().id());
   return answer;

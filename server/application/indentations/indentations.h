@@ -2,6 +2,7 @@
 // Indentations: the record of a procedure that a client executes, and its table of indents.
 // Executor's thread; texts are read on the text thread.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "server/core/ports/awaitable.h"
 #include "server/core/records/indentation_record.h"
 #include "server/core/result.h"
+#include "server/indentation/tip_model.h"
 
 namespace driftwise::application {
 
@@ -21,7 +23,7 @@ struct IndentationView {
   std::string table_json{};     // empty: no table, or none that can be computed
   std::string table_trouble{};  // why it cannot be computed
   std::string verdict{};
-  bool reached = false;  // the wanted accuracy, by the table; false also where it cannot tell
+  std::optional<indentation::Conformity> conformity{};  // with the wanted accuracy, by the table
 };
 
 class Indentations {

@@ -20,7 +20,7 @@ constexpr const char* kTableName = "microscope.csv";
 
 struct Computed {
   std::string json, verdict;
-  bool reached = false;
+  indentation::Conformity conformity;
 };
 
 Result<Computed> computed_table(const formats::IndentationFile& file,
@@ -41,8 +41,7 @@ Result<Computed> computed_table(const formats::IndentationFile& file,
   DRIFTWISE_TRY(const auto indents, indentation::indents_seen(record, rows));
   DRIFTWISE_TRY(const auto table, indentation::indent_table(indents, file.tool));
   DRIFTWISE_TRY(const auto report, indentation::tip_report(table, file.wanted_um));
-  return Computed{formats::indents_json(table, report, file.tool), report.verdict,
-                  report.conformity == indentation::Conformity::within};
+  return Computed{formats::indents_json(table, report, file.tool), report.verdict, report.conformity};
 }
 
 Result<IndentationView> view_of(IndentationRecord& record) {
@@ -65,7 +64,7 @@ Result<IndentationView> view_of(IndentationRecord& record) {
     } else {
       view.table_json = table->json;
       view.verdict = table->verdict;
-      view.reached = table->reached;
+      view.conformity = table->conformity;
     }
   }
   return view;

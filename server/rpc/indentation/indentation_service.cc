@@ -14,6 +14,18 @@ using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
 using application::Indentations;
 
+v1::IndentConformity conformity_from(indentation::Conformity conformity) {
+  switch (conformity) {
+    case indentation::Conformity::within:
+      return v1::INDENT_CONFORMITY_WITHIN;
+    case indentation::Conformity::beyond:
+      return v1::INDENT_CONFORMITY_BEYOND;
+    case indentation::Conformity::undecided:
+      return v1::INDENT_CONFORMITY_UNDECIDED;
+  }
+  return v1::INDENT_CONFORMITY_UNSPECIFIED;
+}
+
 v1::Indentation indentation_from(const application::IndentationView& view) {
   v1::Indentation out;
   out.set_id(view.record.id.value);
@@ -29,7 +41,7 @@ v1::Indentation indentation_from(const application::IndentationView& view) {
   *out.mutable_report_time() = timestamp_from(view.record.reported);
   out.set_created_by(utf8_from(view.record.created_by));
   out.set_verdict(utf8_from(view.verdict));
-  out.set_reached(view.reached);
+  if (view.conformity) out.set_conformity(conformity_from(*view.conformity));
   out.set_key(utf8_from(view.record.key));
   return out;
 }

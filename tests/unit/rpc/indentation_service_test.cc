@@ -172,7 +172,8 @@ TEST_F(IndentationServiceTest, SaysThatThePicturesCannotTell) {
   }
   const auto imported = import_table(id, exact);
   ASSERT_TRUE(imported) << imported.error().message;
-  EXPECT_FALSE(imported->indentation().reached()) << "U is 0.7 um, wanted are 0.2";
+  EXPECT_EQ(imported->indentation().conformity(), v1::INDENT_CONFORMITY_UNDECIDED)
+      << "U is 0.7 um, wanted are 0.2";
   EXPECT_THAT(imported->indentation().verdict(),
               testing::StartsWith("cannot be told with these pictures"));
   EXPECT_EQ(nlohmann::json::parse(imported->table_json()).at("conformity"), "undecided");
@@ -205,7 +206,8 @@ TEST_F(IndentationServiceTest, ComputesTheTableOfIndentsAndItsVerdict) {
   for (const auto& row : table.at("indents"))
     EXPECT_NEAR(row.at("error_um").get<double>(), 0.01 * row.at("wanted_um").get<double>(), 1e-9)
         << "1 % of the distance";
-  EXPECT_FALSE(imported->indentation().reached()) << "10 um at 1 mm, wanted are 0.2";
+  EXPECT_EQ(imported->indentation().conformity(), v1::INDENT_CONFORMITY_BEYOND)
+      << "10 um at 1 mm, wanted are 0.2";
   EXPECT_EQ(imported->indentation().verdict(), table.at("verdict"));
   EXPECT_EQ(get(id).table_json(), imported->table_json());
 }

@@ -1,4 +1,5 @@
 // An indentation of the study's shape: three touches, one correction, three touches, the zero, ten indents.
+import { IndentConformity } from '@/api/gen/driftwise/v1/indentation_service_pb';
 import { at, startMs } from './cell';
 
 const coarse = 'plan 1, mn=5, ma=coarse:2';
@@ -35,6 +36,6 @@ export function indentationRecord(lostAt?: number) {
 export const indentation = (lostAt?: number) => ({
   id: 3n, name: 'case C.2', tool: 'diamond 3', createdBy: 'anna', createTime: at(2), plannedIndentCount: 10,
   ...(lostAt === undefined
-    ? { stage: 'microscope', contactCount: 17, indentCount: 10, ended: 'all indents are made', reportTime: at(6), verdict: 'not reached: return to step 0', reached: false }
+    ? { stage: 'microscope', contactCount: 17, indentCount: 10, ended: 'all indents are made', reportTime: at(6), verdict: 'not reached: return to step 0', conformity: IndentConformity.BEYOND }
     : { stage: 'align', contactCount: lostAt, indentCount: 0, inContact: true, reportTime: at(3) }),
 });

@@ -1,6 +1,6 @@
 // Indentation: a procedure that a client executes and reports. Its stages, contacts and corrections, the table of indents and the
 // verdict, as the daemon has them.
-import type { GetIndentationResponse, Indentation } from '@/api/gen/driftwise/v1/indentation_service_pb';
+import { IndentConformity, type GetIndentationResponse, type Indentation } from '@/api/gen/driftwise/v1/indentation_service_pb';
 import { segments } from '@/app/router';
 import { fixed, signed } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
@@ -54,8 +54,18 @@ const listColumns: Column<Indentation>[] = [
   { title: 'state', of: (one) => <State one={one} /> },
 ];
 
+const conformityKind = {
+  [IndentConformity.UNSPECIFIED]: 'idle', [IndentConformity.WITHIN]: 'good', [IndentConformity.BEYOND]: 'bad', [IndentConformity.UNDECIDED]: 'warn',
+} as const;
+const conformityWords = {
+  [IndentConformity.UNSPECIFIED]: 'not judged',
+  [IndentConformity.WITHIN]: 'wanted accuracy reached',
+  [IndentConformity.BEYOND]: 'wanted accuracy not reached',
+  [IndentConformity.UNDECIDED]: 'pictures cannot tell',
+} as const;
+
 function State({ one }: { one: Indentation }) {
-  if (one.verdict) return <Verdict kind={one.reached ? 'good' : 'bad'}>{one.reached ? 'wanted accuracy reached' : 'wanted accuracy not reached'}</Verdict>;
+  if (one.verdict) return <Verdict kind={conformityKind[one.conformity]}>{conformityWords[one.conformity]}</Verdict>;
   if (one.stage === 'microscope') return <Verdict kind="warn">awaits the microscope's table</Verdict>;
   return one.ended ? <Verdict kind="warn">ended at {one.stage}</Verdict> : <Verdict kind="idle">{one.stage} under way</Verdict>;
 }
@@ -190,12 +200,12 @@ function Indents({ answer }: { answer: GetIndentationResponse }) {
     <Panel title="Table of indents">
       <Table caption="Indents against what was wanted" rows={table.indents} keyOf={(row) => row.id} columns={indentColumns} />
       <p class="muted">U = 2 m p + k p / 2, half-widths added; u by the GUM; lever {fixed(table.lever_mm, 0)} mm.</p>
-      <Judged table={table} reached={answer.indentation?.reached ?? false} />
+      <Judged table={table} conformity={answer.indentation?.conformity ?? IndentConformity.UNSPECIFIED} />
     </Panel>
   );
 }
 
-function Judged({ table, reached }: { table: IndentTable; reached: boolean }) {
+function Judged({ table, conformity }: { table: IndentTable; conformity: IndentConformity }) {
   return (
     <div class="stack">
       {table.lines.map((fit) => (
@@ -210,7 +220,7 @@ function Judged({ table, reached }: { table: IndentTable; reached: boolean }) {
           <ul>{table.separating.map((one) => <li key={one}>{one}</li>)}</ul>
         </>
       )}
-      <p><Verdict kind={reached ? 'good' : 'bad'}>{table.verdict}</Verdict></p>
+      <p><Verdict kind={conformityKind[conformity]}>{table.verdict}</Verdict></p>
       {table.change.length > 0 && <ul>{table.change.map((one) => <li key={one}>{one}</li>)}</ul>}
     </div>
   );
