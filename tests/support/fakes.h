@@ -8,6 +8,7 @@
 #include <exception>
 #include <map>
 
+#include "server/application/alarms/alarms.h"
 #include "server/application/plumbing/watch_list.h"
 #include "tests/support/live_cell.h"
 
@@ -154,6 +155,22 @@ class FakeFeeds final : public app::Feeds {
   }
 };
 
+// Alarms that the record does not have so, of which nothing is stored.
+class FakeAlarms final : public app::Alarms {
+ public:
+  std::vector<AlarmRecord> missing;
+
+  Awaitable<Result<std::vector<AlarmRecord>>> list(bool, int) override { co_return missing; }
+  Awaitable<Result<AlarmRecord>> acknowledge(app::Caller, AlarmId) override {
+    co_return not_faked();
+  }
+  Awaitable<Result<AlarmRecord>> shelve(app::Caller, AlarmId, double, std::string) override {
+    co_return not_faked();
+  }
+  Awaitable<Result<AlarmRecord>> unshelve(app::Caller, AlarmId) override { co_return not_faked(); }
+  std::vector<AlarmRecord> unwritten(std::size_t) const override { return missing; }
+};
+
 class FakeDatasets final : public app::Datasets {
  public:
   std::exception_ptr throws_next;  // of export_csv()
@@ -283,7 +300,7 @@ class FakeModels final : public app::Models {
                                                    std::string) override {
     co_return the_residuals;
   }
-  Awaitable<Result<std::vector<ModelRecord>>> list() override {
+  Awaitable<Result<std::vector<app::ListedModel>>> list() override {
     return cell_.services().models.list();
   }
   Awaitable<Result<ModelRecord>> get(ModelId id) override {

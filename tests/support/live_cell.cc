@@ -142,7 +142,7 @@ app::Services LiveCell::services(const Fakes& fakes) {
           fakes.extensions ? *fakes.extensions : own.extensions,
           fakes.improvements ? *fakes.improvements : own.improvements,
           fakes.studies ? *fakes.studies : own.studies,
-          own.alarms,
+          fakes.alarms ? *fakes.alarms : own.alarms,
           fakes.feeds ? *fakes.feeds : own.feeds,
           own.queue,
           own.keeping,

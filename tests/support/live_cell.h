@@ -32,6 +32,7 @@ struct Fakes {
   app::Improvements* improvements = nullptr;
   app::Studies* studies = nullptr;
   app::Feeds* feeds = nullptr;
+  app::Alarms* alarms = nullptr;
 };
 
 class LiveCell {

@@ -146,6 +146,8 @@ class Laser final : public Simulated<Instrument> {
   Awaitable<Result<Reading>> read() override {
     const auto start = time_.now().utc;
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(0.25));
+    if (world_.laser_mute)
+      co_return fail(ErrorCode::deadline_exceeded, "NO_ANSWER", "laser-x: no reading within 1 s");
     if (const double jump_s = std::exchange(world_.laser_clock_jump_s, 0); jump_s != 0) {
       world_.laser_clock_s += jump_s;
       ++world_.laser_clock_jumps;

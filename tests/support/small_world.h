@@ -48,6 +48,7 @@ struct SmallWorld {
   // Away: every call fails with unavailable.
   bool axis_away = false, laser_away = false, scanner_away = false, support_away = false,
        load_away = false;
+  bool laser_mute = false;         // it says who it is, and gives no reading
   bool cut = false;                // every exchange is cut off, as at the end of the daemon
   bool load_jammed = false;        // the weights stick: the actuator refuses to change them
   bool creeping = false;           // the axis never becomes quiet

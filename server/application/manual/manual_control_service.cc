@@ -180,6 +180,12 @@ Awaitable<Result<void>> ManualControlService::home(Caller caller, std::string le
 // the moment the reference is sent, even where no new one can be opened.
 Awaitable<Result<DatumRecord>> ManualControlService::new_datum_by_hand(RunScope& scope,
                                                                        std::string reason) {
+  auto asking = ask_devices_of_datum(scope);
+  if (const auto asked = co_await std::move(asking); !asked) {
+    auto trouble = asked.error();
+    trouble.message += "; nothing has moved: a homing opens a datum, which needs it";
+    co_return tl::unexpected(std::move(trouble));
+  }
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await clear_to_home(scope, true, SwitchOn::yes));
   const auto no_datum_since = [](const char* what) {
     return fmt::format(
@@ -193,6 +199,30 @@ Awaitable<Result<DatumRecord>> ManualControlService::new_datum_by_hand(RunScope&
   if (!homed && homed.error().reason == reasons::kStopPending) datum_trouble_ = trouble_before;
   DRIFTWISE_CO_RETURN_IF_ERROR(homed);
   datum_trouble_ = no_datum_since("the axes were homed");
+  auto opening = datum_where_homed(scope, std::move(reason));
+  auto opened = co_await std::move(opening);
+  if (!opened)
+    opened.error().message = "the axes have moved to their reference, and no datum was opened: " +
+                             opened.error().message;
+  co_return opened;
+}
+
+// Axes that are homed for a datum that cannot be opened lose the one before for nothing. A beam or
+// spot that is lost is an answer: the homing may bring it back.
+Awaitable<Result<void>> ManualControlService::ask_devices_of_datum(RunScope& scope) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.prepare_for_run());
+  static constexpr DeviceRole kOfThePose[] = {DeviceRole::angle, DeviceRole::length};
+  for (const auto role : kOfThePose)
+    for (const auto device : bench_.with_role(role)) {
+      const auto reading = co_await bench_.read(device);
+      if (!reading && is_device_loss(reading.error())) co_return tl::unexpected(reading.error());
+    }
+  if (description_.load) DRIFTWISE_CO_RETURN_IF_ERROR(co_await loading_.look(bench_));
+  co_return co_await check_thermometers(scope);
+}
+
+Awaitable<Result<DatumRecord>> ManualControlService::datum_where_homed(RunScope& scope,
+                                                                       std::string reason) {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.prepare_for_run());
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_thermometers(scope));
   if (description_.load) DRIFTWISE_CO_RETURN_IF_ERROR(co_await loading_.look(bench_));

@@ -53,6 +53,8 @@ class ManualControlService final : public ManualControl {
   Result<std::size_t> stabiliser_named(const std::string& device) const;
   class ByHand;
   Awaitable<Result<DatumRecord>> new_datum_by_hand(RunScope& scope, std::string reason);
+  Awaitable<Result<void>> ask_devices_of_datum(RunScope& scope);
+  Awaitable<Result<DatumRecord>> datum_where_homed(RunScope& scope, std::string reason);
   // False also where no pose is measured, or none counts from a datum.
   Awaitable<bool> axes_measured_at(std::vector<double> q_mm);
   void motion_found(const MotionFinding& found);

@@ -9,25 +9,30 @@
 
 namespace driftwise::application {
 
-// After a restart, or a controller that lost its reference: who says that the robot may move.
-// Nothing has moved yet.
+// Before every datum: after a restart, or where the axes have lost the reference that they had when
+// motion was asked for, who says that the robot may move. Nothing has moved yet.
 Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
   if (!begins_by_itself_.empty()) {
     const auto why = std::exchange(begins_by_itself_, {});
     if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
   }
-  if (may_start_) co_return Result<void>{};
   DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
-  const bool reference_lost = had_datum_ && !state.referenced;
+  // The first look since a person asked: the controller did not answer then.
+  if (!referenced_ && switch_on_ == SwitchOn::yes) co_await note_reference(state.referenced);
+  const bool reference_lost = has_lost_reference(state.referenced);
+  if (may_start_ && !reference_lost) co_return Result<void>{};
   const bool power_loss = computer_was_away_ || reference_lost;
   const auto& rules = bench_.description.restart;
   std::string why = "the daemon was away while the run was under way";
   if (computer_was_away_)
     why = "the computer was started anew while the run was under way";
   else if (reference_lost)
-    why = fmt::format("the controller has lost its reference while the {}",
-                      before_ ? "daemon was away" : "run was under way");
+    why = fmt::format(
+        "the controller {} while the {}",
+        referenced_ ? "has lost its reference" : "did not answer, and has no reference,",
+        before_ && !may_start_ ? "daemon was away" : "run was under way");
   const auto wish = power_loss ? rules.after_power_loss : rules.after_restart;
+  may_start_ = false;
   if (wish == AfterAway::wait) {
     run.control.hold({RunHold::Kind::restart, "", bench_.clock.now().utc,
                       fmt::format("{}: look at the machine, then resume it ([run] {} = \"wait\")",
@@ -38,8 +43,10 @@ Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
     why += ", and the cell file says to go on ([run] after_power_loss = \"go-on\")";
     if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
     switch_on_ = SwitchOn::if_unreferenced;
+    co_await note_reference(state.referenced);
   }
   may_start_ = true;
+  computer_was_away_ = false;
   co_return Result<void>{};
 }
 

@@ -17,6 +17,7 @@
 #include "server/application/recording/doubts.h"
 #include "server/application/runs/passages.h"
 #include "server/application/runs/recovery.h"
+#include "server/application/runs/reference_record.h"
 #include "server/application/runs/run_state_store.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -65,6 +66,8 @@ void RunEngine::make_run(RunRecord record, RunPlan plan, Trajectory trajectory) 
   auto& run = *run_;
   had_datum_ = before_ && !before_->data.empty();
   stands_ = computer_was_away_ = false;
+  referenced_.reset();
+  recalls_reference_ = true;
   announcement_.clear();
   outlook_.begin_anew();
   counted_accepted_ = run.record.accepted;
@@ -155,6 +158,9 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
 
 Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
   int troubles_in_a_row = 0;
+  if (recalls_reference_)
+    referenced_ =
+        co_await kept_reference(bench_.writer, run.record.created, bench_.clock.now().utc);
   while (true) {
     const auto attempts_before = run.record.accepted + run.record.given_up;
     Result<void> outcome = co_await walk(run);
@@ -206,6 +212,7 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     }
     if (wanted_datum_) {
       if (auto ok = co_await prepare(run); !ok) co_return ok;
+      if (auto ok = co_await clear_to_move(run); !ok) co_return ok;
       if (auto ok = co_await bring_force(run); !ok) co_return ok;
       if (auto ok = co_await new_datum(run); !ok) co_return ok;
     }
@@ -303,8 +310,17 @@ Awaitable<Result<void>> RunEngine::bring_force(ActiveRun& run) {
 }
 
 Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
-  const auto switch_on = std::exchange(switch_on_, SwitchOn::no);
-  DRIFTWISE_CO_TRY(auto datum, co_await open_datum(run.scope, *wanted_datum_, switch_on));
+  bench_.doubts.forget_datum();  // what the instruments show counts from elsewhere
+  // Weights that a person hangs may take hours: the power may have gone meanwhile.
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await clear_to_move(run));
+  auto homing = make_homed(run.scope, wanted_datum_->home, switch_on_);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(homing));
+  switch_on_ = SwitchOn::no;
+  co_await note_reference(true);
+  auto wanted = *wanted_datum_;
+  wanted.home = false;  // it was done
+  auto opening = open_datum(run.scope, std::move(wanted));
+  DRIFTWISE_CO_TRY(auto datum, co_await std::move(opening));
   run.datum = std::move(datum);
   note_zeroing(run);
   run.closures.clear();
@@ -317,6 +333,14 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
   run.since_return.begin(run.record.place, run.record.given_up);
   run.jumped_nm.clear();
   co_return Result<void>{};
+}
+
+// On record at once: a daemon that is started anew tells a loss of power by it.
+Awaitable<void> RunEngine::note_reference(bool referenced) {
+  if (std::exchange(referenced_, referenced) == std::optional(referenced)) co_return;
+  auto keeping =
+      keep_reference(bench_.writer, bench_.clock.now().utc, ++reference_notes_, referenced);
+  co_await std::move(keeping);
 }
 
 // Points that were measured while a limit of the cell was exceeded.

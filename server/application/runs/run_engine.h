@@ -116,6 +116,7 @@ class RunEngine {
   void hold_if_too_many_were_given_up(ActiveRun& run);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);
+  Awaitable<void> note_reference(bool referenced);
   Awaitable<Result<void>> mark_held(ActiveRun& run);
   Awaitable<Result<void>> change(ActiveRun& run, RunState state, std::string reason);
   Awaitable<Result<void>> store_lag(ActiveRun& run);
@@ -130,6 +131,7 @@ class RunEngine {
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
   Awaitable<Result<void>> hold_on(ActiveRun& run, RunState state);
   void take_back_permission();  // a person's, to switch servos on: its moment is over
+  bool has_lost_reference(bool referenced) const;
   Awaitable<Result<void>> use_permission(ActiveRun& run);
   void ask_to_mend(ActiveRun& run, const Error& why);
   Awaitable<Result<void>> stand_unread();
@@ -169,8 +171,12 @@ class RunEngine {
   ReadBasis read_basis_;    // of a run that could not be read; empty: it was
   bool may_start_ = true;   // false: power or the daemon was away, and nobody has said it yet
   bool computer_was_away_ = false;
-  bool had_datum_ = false;             // before its first one a run has not needed a reference yet
-  SwitchOn switch_on_ = SwitchOn::no;  // of the next datum: used up by it
+  bool had_datum_ = false;
+  // Axes when the run was asked for or a person asked for motion, or seen since; empty: not known.
+  std::optional<bool> referenced_;
+  bool recalls_reference_ = true;  // from the record, when it begins
+  std::int64_t reference_notes_ = 0;
+  SwitchOn switch_on_ = SwitchOn::no;  // of the next homing: used up by one that succeeds
   std::string announcement_;
   std::string begins_by_itself_;  // why; empty: a person has asked for the run, or it was told
   std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause

@@ -99,11 +99,13 @@ Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy) {
   DRIFTWISE_CO_TRY(const auto recovery, co_await wait_for_devices(run.scope));
   if (recovery.waited) take_back_permission();
   const bool asked_for = switch_on_ == SwitchOn::yes;
+  const bool power_was_away = !asked_for && has_lost_reference(!recovery.reference_lost);
+  if (asked_for || !recovery.reference_lost) co_await note_reference(!recovery.reference_lost);
+  if (!asked_for && !recovery.reference_lost) switch_on_ = SwitchOn::no;
   // Before weights move as well. Where power was away the cell file says who is asked.
-  const bool was_switched_off =
-      recovery.servo_off && !(recovery.reference_lost && had_datum_) && switch_on_ == SwitchOn::no;
+  const bool was_switched_off = recovery.servo_off && !power_was_away && switch_on_ == SwitchOn::no;
   if (was_switched_off) co_return co_await overcome(run, servo_is_off(), 1);
-  if (recovery.reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
+  if (power_was_away) may_start_ = false;
   if (!recovery.servo_off) take_back_permission();
   co_await note_stand(run);
   want_datum(run, recovery.beam_lost || remedy == Remedy::new_datum, recovery.reference_lost,
@@ -125,11 +127,18 @@ void RunEngine::want_datum(const ActiveRun& run, bool beam_lost, bool reference_
   if (beam_lost) wanted_datum_->before.reset();
 }
 
-// Before the first datum what is left is the permission of a run that begins by itself: axes that
-// were never referenced come so from their power supply, and nobody has switched them off.
+// Of axes without a reference when it was given what is left is the permission of a run that begins
+// by itself, until a homing has succeeded: they come so from their power supply, and nobody has
+// switched them off.
 void RunEngine::take_back_permission() {
-  if (switch_on_ == SwitchOn::yes)
-    switch_on_ = had_datum_ ? SwitchOn::no : SwitchOn::if_unreferenced;
+  if (switch_on_ != SwitchOn::yes) return;
+  const bool was_without = referenced_ == std::optional(false);
+  switch_on_ = was_without ? SwitchOn::if_unreferenced : SwitchOn::no;
+}
+
+// Axes that nobody has seen without a reference count as referenced before.
+bool RunEngine::has_lost_reference(bool referenced) const {
+  return !referenced && referenced_ != std::optional(false);
 }
 
 // A servo that is off right after a person has asked for motion was off when they asked: the datum
@@ -137,7 +146,8 @@ void RunEngine::take_back_permission() {
 Awaitable<Result<void>> RunEngine::use_permission(ActiveRun& run) {
   if (switch_on_ != SwitchOn::yes) co_return Result<void>{};
   DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
-  want_datum(run, false, false, !state.servo_on);
+  co_await note_reference(state.referenced);
+  want_datum(run, false, !state.referenced, !state.servo_on);
   if (state.servo_on) take_back_permission();
   co_return Result<void>{};
 }
@@ -242,6 +252,7 @@ Awaitable<Result<void>> RunEngine::stand_unread() {
     const auto wanted = run.control.hold();  // meanwhile
     before_ = std::move(basis->before);
     make_run(std::move(record), std::move(basis->plan), std::move(basis->trajectory));
+    recalls_reference_ = switch_on_ != SwitchOn::yes;  // a person has asked since
     if (wanted.kind != RunHold::Kind::none && wanted.kind != RunHold::Kind::condition)
       run_->control.hold(wanted);
     co_return Result<void>{};

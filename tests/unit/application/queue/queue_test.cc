@@ -34,6 +34,13 @@ QueueDraft draft(const std::string& name) {
   return d;
 }
 
+// Declared by the interferometer, which never gives it.
+CellDescription with_pressure(CellDescription cell) {
+  for (auto& device : cell.devices)
+    if (device.length()) device.channels.push_back({"pressure", "hPa"});
+  return cell;
+}
+
 class QueueTest : public testing::Test {
  protected:
   QueueLine add(QueueDraft d) {
@@ -71,7 +78,7 @@ class QueueTest : public testing::Test {
 
   Folder folder;
   SmallWorld world;
-  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
+  CellInMemory cell{world, with_pressure(small_cell(folder / "cell.sqlite")), kSqlite};
 };
 
 TEST_F(QueueTest, MakesARunOfEachEntryInTurn) {
