@@ -170,23 +170,16 @@ Result<ForwardPose> pose_by_law(const Snapshot& snapshot, const ForwardRequest& 
     result.coordinates.push_back({found.variables[k], found.pose[at], found.u[at]});
     pose.set(found.variables[k], found.pose[at]);
   }
-  for (std::size_t i = 0; i < snapshot.outputs.size(); ++i) {  // this solution, no other
-    const std::string& symbol = snapshot.outputs[i].channel.symbol;
-    const auto number = static_cast<std::size_t>(std::atoi(symbol.c_str() + 1));
-    if (number < 1 || number > kMaxJoints) continue;
-    pose.near_rad[number - 1] =
-        snapshot.outputs[i].channel.unit == "deg" ? q[i] * kRadPerDeg : q[i];
-    pose.near |= 1u << (number - 1);
-  }
-  result.target = compute_target(snapshot, pose);
+  // The motors as stated: another solution of the pose has other flags, and a singular one none.
+  const auto judged = judge_motors(snapshot, pose, request.q_mm);
+  result.target = judged.target;
   if (result.target.refusal != Refusal::none)
     return tl::unexpected(refusal_error(snapshot, result.target));
   if (snapshot.unjudged) return result;
-  if (found.u.array().isNaN().all()) {
+  if (!snapshot.geometry->law->absolute()) {
     add_u_by_slopes(snapshot, pose, result);
   } else {  // an arm's own: joints err together, and nothing measured its axes
-    const double factor = error_parts(snapshot, pose).factor;
-    for (auto& coordinate : result.coordinates) coordinate.u *= factor;
+    for (auto& coordinate : result.coordinates) coordinate.u *= judged.factor;
   }
   return result;
 }

@@ -98,8 +98,10 @@ class DirectLaw final : public GeometryLaw {
     return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   }
 
+  bool needs_search(const TargetRequest&, const PresentGeometry&) const override { return false; }
+
   Result<LawAnswer> motors_of(const TargetRequest& request, const PresentGeometry& present,
-                              bool with_uncertainty) const override {
+                              bool with_uncertainty, std::span<const double>) const override {
     VectorXd pose(static_cast<Index>(needs_.size()));
     for (std::size_t i = 0; i < needs_.size(); ++i)
       pose[static_cast<Index>(i)] = wanted(request, needs_[i]);
@@ -194,26 +196,26 @@ class ArmLaw final : public GeometryLaw {
     return {link.min_deg * unit_per_deg, link.max_deg * unit_per_deg};
   }
 
+  bool needs_search(const TargetRequest& request, const PresentGeometry& present) const override {
+    const auto near = nearest_to(request, present);
+    return near && kinematics::needs_search(arm_, values_, pose_wanted(request), *near,
+                                            present.temperatures);
+  }
+
   Result<LawAnswer> motors_of(const TargetRequest& request, const PresentGeometry& present,
-                              bool with_uncertainty) const override {
-    DRIFTWISE_TRY(const auto near, nearest_to(request, present));
-    kinematics::WantedPose pose{
-        {wanted(request, Variable::x), wanted(request, Variable::y), wanted(request, Variable::z)},
-        {}};
-    if (arm_.joints() != 3) {
-      Eigen::Matrix<double, kinematics::kFrameParameters, 1> frame;
-      frame << 0, 0, 0, deg(request, Variable::rx), deg(request, Variable::ry),
-          deg(request, Variable::rz);
-      pose.axes = kinematics::Frame(frame).rotation();
+                              bool with_uncertainty, std::span<const double> found) const override {
+    std::vector<double> joints(found.begin(), found.end());
+    if (joints.empty()) {
+      DRIFTWISE_TRY(const auto near, nearest_to(request, present));
+      DRIFTWISE_TRY(auto nearest, kinematics::nearest_joints(arm_, values_, pose_wanted(request),
+                                                             near, present.temperatures,
+                                                             kinematics::Search::until_certain));
+      if (!(nearest.miss_nm <= kMostMiss_nm)) return missed(nearest.miss_nm);
+      joints = std::move(nearest.joints);
     }
-    DRIFTWISE_TRY(const auto found,
-                  kinematics::nearest_joints(arm_, values_, pose, near, present.temperatures,
-                                             kinematics::Search::until_certain));
-    if (!(found.miss_nm <= kMostMiss_nm)) return missed(found.miss_nm);
     LawAnswer answer;
-    answer.motors =
-        Eigen::Map<const VectorXd>(found.joints.data(), static_cast<Index>(found.joints.size()));
-    if (with_uncertainty && covariance_.size() > 0) add_uncertainty(found.joints, present, answer);
+    answer.motors = Eigen::Map<const VectorXd>(joints.data(), static_cast<Index>(joints.size()));
+    if (with_uncertainty && covariance_.size() > 0) add_uncertainty(joints, present, answer);
     return answer;
   }
 
@@ -238,6 +240,18 @@ class ArmLaw final : public GeometryLaw {
  private:
   static double deg(const TargetRequest& request, Variable variable) {
     return kinematics::deg_from_rad(rad_from_arcsec(wanted(request, variable)));
+  }
+
+  kinematics::WantedPose pose_wanted(const TargetRequest& request) const {
+    kinematics::WantedPose pose{
+        {wanted(request, Variable::x), wanted(request, Variable::y), wanted(request, Variable::z)},
+        {}};
+    if (arm_.joints() == 3) return pose;
+    Eigen::Matrix<double, kinematics::kFrameParameters, 1> frame;
+    frame << 0, 0, 0, deg(request, Variable::rx), deg(request, Variable::ry),
+        deg(request, Variable::rz);
+    pose.axes = kinematics::Frame(frame).rotation();
+    return pose;
   }
 
   kinematics::SerialArm::Posture posture(std::span<const double> q, const PresentGeometry& present,
@@ -305,6 +319,10 @@ class ArmLaw final : public GeometryLaw {
 };
 
 }  // namespace
+
+bool may_search(const Snapshot& snapshot) noexcept {
+  return snapshot.geometry && snapshot.geometry->law->absolute();
+}
 
 Result<std::shared_ptr<const GeometryLaw>> make_geometry_law(const calibration::Model& model) {
   const auto& robot = model.geometry->robot;

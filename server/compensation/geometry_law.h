@@ -68,8 +68,12 @@ class GeometryLaw {
   // request: every variable of needs() is finite. Errors: those of kinematics::nearest_joints;
   // out_of_range NO_POSE (the geometry does not reach it); failed_precondition MISSING_VALUE (of an
   // arm: where a joint stands was not read, and the request does not say what to be near to).
+  // found: empty, or motors of an earlier answer to the request; an arm takes them as they are.
   virtual Result<LawAnswer> motors_of(const TargetRequest& request, const PresentGeometry& present,
-                                      bool with_uncertainty) const = 0;
+                                      bool with_uncertainty,
+                                      std::span<const double> found = {}) const = 0;
+  // Whether motors_of() searches: milliseconds.
+  virtual bool needs_search(const TargetRequest& request, const PresentGeometry& present) const = 0;
   // q: one per motor, without the polynomial's part. Errors: out_of_range NO_POSE.
   virtual Result<LawPose> pose_of(std::span<const double> q,
                                   const PresentGeometry& present) const = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/compensation/basis_values.h"
+#include "server/compensation/target.h"
 
 namespace driftwise::compensation {
 namespace {
@@ -81,6 +82,22 @@ std::string_view to_string(UncertaintySource source) {
 bool have_same_terms(const Snapshot& a, const Snapshot& b) {
   return a.products == b.products && a.column_per_unit == b.column_per_unit &&
          a.column_shift == b.column_shift;
+}
+
+NearName set_near(TargetRequest& request, std::string_view channel, double value) {
+  if (channel.size() != 6 || channel[0] != 'q' || channel[1] < '1' || channel[1] > '9')
+    return NearName::unknown;
+  const std::string_view unit = channel.substr(2);
+  if (unit != "_rad" && unit != "_deg") return NearName::unknown;
+  const auto joint = static_cast<std::size_t>(channel[1] - '1');
+  if ((request.near >> joint & 1) != 0) return NearName::twice;
+  request.near |= 1u << joint;
+  request.near_rad[joint] = unit == "_deg" ? value * kRadPerDeg : value;
+  return NearName::taken;
+}
+
+double arcsec_of(const Channel& joint, double micro_units) {
+  return 1e-6 * micro_units * summary_unit(joint.unit).factor;
 }
 
 }  // namespace driftwise::compensation

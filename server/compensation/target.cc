@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "server/compensation/basis_values.h"
@@ -29,40 +30,6 @@ double excess(const Snapshot::Input& input, double value) {
 // largest excess over all inputs in half widths: 1 at the edge, 4 at twice the range.
 double extrapolation_factor(double largest_excess) {
   return (1.0 + largest_excess) * (1.0 + largest_excess);
-}
-
-// Few roots are cheaper one by one than the form they make.
-double line_variance(const Snapshot::UncertaintyLine& line, std::size_t size, const Basis& basis,
-                     const double* squares) {
-  double sum = line.variance_nm2.empty() ? 0 : variance(line.variance_nm2, squares);
-  for (std::size_t row = 0; row + size <= line.roots_nm.size(); row += size) {
-    const double error = dot(line.roots_nm.data() + row, basis.b.data(), size);
-    sum += error * error;
-  }
-  return sum;
-}
-
-// In outputs' units; variances empty where they are not known.
-double share_nm2(const Eigen::VectorXd& variances, std::size_t i) {
-  return variances.size() == 0 ? 0 : variances[static_cast<Eigen::Index>(i)] * kNmPerMm * kNmPerMm;
-}
-
-// Part of a geometry's parameters in the squares of a line's errors, whose terms are in the line.
-double systematic_nm2(const Snapshot& snapshot, const LawAnswer& law, std::size_t output,
-                      const Snapshot::UncertaintyLine& line, const Basis& basis) {
-  if (law.systematic.size() == 0) return 0;
-  const auto& errors = snapshot.geometry->errors;
-  const std::size_t size = snapshot.basis_size();
-  double sum = 0;
-  for (std::size_t row = 0; row < line.errors.size(); ++row)
-    for (std::size_t e = 0; e < errors.size(); ++e) {
-      if (errors[e].source != line.source || errors[e].number != line.errors[row]) continue;
-      const double terms_nm = dot(line.roots_nm.data() + row * size, basis.b.data(), size);
-      const double nm = kNmPerMm * law.systematic(static_cast<Eigen::Index>(output),
-                                                  static_cast<Eigen::Index>(e));
-      sum += nm * (nm + 2 * terms_nm);
-    }
-  return sum;
 }
 
 void refuse(Target& target, Refusal refusal) {
@@ -135,11 +102,18 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
   if (target.ignored) target.flags |= kIgnoredCoordinate;
 }
 
-// Motor coordinates of geometry and terms together; law: what the geometry says of them.
+// Motor coordinates of geometry and terms together; law: what the geometry says of them. found:
+// empty, or the motor coordinates of an earlier answer.
 Refusal find_motors(const Snapshot& snapshot, const TargetRequest& request, PoseTerms& terms,
-                    bool with_uncertainty, LawAnswer& law, Target& target) {
+                    bool with_uncertainty, std::span<const double> found, LawAnswer& law,
+                    Target& target) {
   if (snapshot.geometry) {
-    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, with_uncertainty);
+    std::vector<double> of_law(found.begin(), found.end());
+    for (std::size_t i = 0; i < found.size(); ++i)
+      of_law[i] -= dot(snapshot.outputs[i].coefficients_mm.data(),
+                       terms.basis(snapshot, request.value).b.data(), snapshot.basis_size());
+    auto answer =
+        snapshot.geometry->law->motors_of(request, *snapshot.geometry, with_uncertainty, of_law);
     if (!answer) {
       target.why = std::make_shared<const Error>(std::move(answer.error()));
       return Refusal::no_pose;
@@ -230,22 +204,6 @@ std::string names(const Snapshot& snapshot, std::uint64_t bits) {
 
 }  // namespace
 
-NearName set_near(TargetRequest& request, std::string_view channel, double value) {
-  if (channel.size() != 6 || channel[0] != 'q' || channel[1] < '1' || channel[1] > '9')
-    return NearName::unknown;
-  const std::string_view unit = channel.substr(2);
-  if (unit != "_rad" && unit != "_deg") return NearName::unknown;
-  const auto joint = static_cast<std::size_t>(channel[1] - '1');
-  if ((request.near >> joint & 1) != 0) return NearName::twice;
-  request.near |= 1u << joint;
-  request.near_rad[joint] = unit == "_deg" ? value * kRadPerDeg : value;
-  return NearName::taken;
-}
-
-double arcsec_of(const Channel& joint, double micro_units) {
-  return 1e-6 * micro_units * summary_unit(joint.unit).factor;
-}
-
 Target compute_target(const Snapshot& snapshot, const TargetRequest& request) noexcept {
   PoseTerms terms;
   Target target;
@@ -253,26 +211,67 @@ Target compute_target(const Snapshot& snapshot, const TargetRequest& request) no
   return target;
 }
 
-void compute_target(const Snapshot& snapshot, const TargetRequest& request, PoseTerms& terms,
-                    Target& target) noexcept {
+namespace {
+
+bool is_refused_outside(const Snapshot& snapshot, const Target& target) {
+  return snapshot.refuse_outside_domain && (target.outside | snapshot.zero_outside) != 0;
+}
+
+// What is said of a request before its motor coordinates are known.
+Refusal judge_request(const Snapshot& snapshot, const TargetRequest& request, Target& target,
+                      double& largest_excess) {
   target.outputs = snapshot.outputs.size();
   target.valid_until = snapshot.valid_until;
   if (const Refusal refusal = look_at_request(snapshot, request, target); refusal != Refusal::none)
-    return refuse(target, refusal);
-  double largest_excess = look_at_domain(snapshot, request, target);
+    return refusal;
+  largest_excess = look_at_domain(snapshot, request, target);
   set_flags(snapshot, request, target);
-  const auto is_refused_outside = [&] {
-    return snapshot.refuse_outside_domain && (target.outside | snapshot.zero_outside) != 0;
-  };
-  if (is_refused_outside()) return refuse(target, Refusal::outside_domain);
+  if (is_refused_outside(snapshot, target)) return Refusal::outside_domain;
   if (snapshot.refuse_stale &&
       (target.flags & (kStaleTemperature | kMissingTemperature | kExpiredConditions)))
-    return refuse(target, Refusal::stale);
+    return Refusal::stale;
+  return Refusal::none;
+}
+
+}  // namespace
+
+JudgedMotors judge_motors(const Snapshot& snapshot, const TargetRequest& request,
+                          std::span<const double> q_mm) noexcept {
+  JudgedMotors judged;
+  Target& target = judged.target;
+  double largest_excess = 0;
+  Refusal refusal = judge_request(snapshot, request, target, largest_excess);
+  if (refusal == Refusal::none) {
+    target.u_nm.fill(kNan);
+    std::ranges::copy(q_mm, target.q_mm.begin());
+    largest_excess = std::max(largest_excess, look_at_motors(snapshot, target));
+    judged.factor = extrapolation_factor(largest_excess);
+    if (is_refused_outside(snapshot, target)) refusal = Refusal::outside_domain;
+  }
+  refusal == Refusal::none ? hold_to_limits(snapshot, request, target) : refuse(target, refusal);
+  return judged;
+}
+
+bool needs_search(const Snapshot& snapshot, const TargetRequest& request) noexcept {
+  Target target;
+  double largest_excess = 0;
+  return snapshot.geometry &&
+         judge_request(snapshot, request, target, largest_excess) == Refusal::none &&
+         snapshot.geometry->law->needs_search(request, *snapshot.geometry);
+}
+
+void compute_target(const Snapshot& snapshot, const TargetRequest& request, PoseTerms& terms,
+                    Target& target) noexcept {
+  double largest_excess = 0;
+  if (const Refusal refusal = judge_request(snapshot, request, target, largest_excess);
+      refusal != Refusal::none)
+    return refuse(target, refusal);
   LawAnswer law;
-  const Refusal lost = find_motors(snapshot, request, terms, request.with_uncertainty, law, target);
+  const Refusal lost =
+      find_motors(snapshot, request, terms, request.with_uncertainty, {}, law, target);
   if (lost != Refusal::none) return refuse(target, lost);
   largest_excess = std::max(largest_excess, look_at_motors(snapshot, target));
-  if (is_refused_outside()) return refuse(target, Refusal::outside_domain);
+  if (is_refused_outside(snapshot, target)) return refuse(target, Refusal::outside_domain);
   const bool with_uncertainty = request.with_uncertainty && !snapshot.unjudged;
   const Basis& basis = terms.basis(snapshot, request.value);
   const double factor = extrapolation_factor(largest_excess);
@@ -306,13 +305,13 @@ struct Answered {
 
 // Nothing: the request has no answer.
 std::optional<Answered> answered(const Snapshot& snapshot, const TargetRequest& request,
-                                 PoseTerms& terms) {
+                                 std::span<const double> found, PoseTerms& terms) {
   Target target;
   target.outputs = snapshot.outputs.size();
   if (look_at_request(snapshot, request, target) != Refusal::none) return std::nullopt;
   const double of_request = look_at_domain(snapshot, request, target);
   Answered result;
-  if (find_motors(snapshot, request, terms, true, result.law, target) != Refusal::none)
+  if (find_motors(snapshot, request, terms, true, found, result.law, target) != Refusal::none)
     return std::nullopt;
   result.factor = extrapolation_factor(std::max(of_request, look_at_motors(snapshot, target)));
   return result;
@@ -320,11 +319,11 @@ std::optional<Answered> answered(const Snapshot& snapshot, const TargetRequest& 
 
 }  // namespace
 
-Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
-                      std::size_t output) noexcept {
+Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request, std::size_t output,
+                      std::span<const double> found) noexcept {
   Budget budget;
   PoseTerms terms;
-  const auto about = answered(snapshot, request, terms);
+  const auto about = answered(snapshot, request, found, terms);
   if (!about || output >= snapshot.outputs.size() || (snapshot.geometry && snapshot.unjudged)) {
     budget.u_nm = kNan;
     return budget;
@@ -361,7 +360,7 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 ErrorParts error_parts(const Snapshot& snapshot, const TargetRequest& request) {
   ErrorParts parts;
   PoseTerms terms;
-  const auto about = answered(snapshot, request, terms);
+  const auto about = answered(snapshot, request, {}, terms);
   if (!about) return parts;
   parts.factor = about->factor;
   const LawAnswer& law = about->law;

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -108,6 +109,21 @@ class PoseTerms;
 void compute_target(const Snapshot& snapshot, const TargetRequest& request, PoseTerms& terms,
                     Target& target) noexcept;
 
+// Whether compute_target searches for an arm's joints, which takes milliseconds: not for a thread
+// that others wait for.
+bool needs_search(const Snapshot& snapshot, const TargetRequest& request) noexcept;
+// Whether it is true of some request: an arm's joints.
+bool may_search(const Snapshot& snapshot) noexcept;
+
+// Flags, limits and refusals of motor coordinates that are given, at the pose that they make: what
+// a target says of those that it found. No uncertainties. q_mm: one per Snapshot::outputs.
+struct JudgedMotors {
+  Target target;
+  double factor = 1;  // of extrapolation, on uncertainties
+};
+JudgedMotors judge_motors(const Snapshot& snapshot, const TargetRequest& request,
+                          std::span<const double> q_mm) noexcept;
+
 // One line of the uncertainty budget of one output at one pose.
 struct BudgetLine {
   UncertaintySource source;
@@ -118,8 +134,9 @@ struct Budget {
   std::array<BudgetLine, kUncertaintySources> line;
   double u_nm = 0;  // the root of the sum of squares: equals Target::u_nm
 };
-Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
-                      std::size_t output) noexcept;
+// found: Target::q_mm of the same request, so that an arm's joints are not looked for again.
+Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request, std::size_t output,
+                      std::span<const double> found = {}) noexcept;
 
 // The uncertainty of all outputs of a target, parted by what they share.
 struct ErrorParts {

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "server/compensation/dot.h"
+#include "server/compensation/geometry_law.h"
 #include "server/core/reasons.h"
+#include "server/core/units.h"
 
 namespace driftwise::compensation {
 
@@ -38,6 +41,40 @@ Variance whole_variance(const Snapshot& snapshot, const Snapshot::Output& output
   all.known = !(all.form_nm2 < -(kRounding * all.nm2 + kNothing_nm2));
   all.nm2 += std::max(0.0, all.form_nm2);
   return all;
+}
+
+// Few roots are cheaper one by one than the form they make.
+double line_variance(const Snapshot::UncertaintyLine& line, std::size_t size, const Basis& basis,
+                     const double* squares) {
+  double sum = line.variance_nm2.empty() ? 0 : variance(line.variance_nm2, squares);
+  for (std::size_t row = 0; row + size <= line.roots_nm.size(); row += size) {
+    const double error = dot(line.roots_nm.data() + row, basis.b.data(), size);
+    sum += error * error;
+  }
+  return sum;
+}
+
+// In outputs' units; variances empty where they are not known.
+double share_nm2(const Eigen::VectorXd& variances, std::size_t i) {
+  return variances.size() == 0 ? 0 : variances[static_cast<Eigen::Index>(i)] * kNmPerMm * kNmPerMm;
+}
+
+// Part of a geometry's parameters in the squares of a line's errors, whose terms are in the line.
+double systematic_nm2(const Snapshot& snapshot, const LawAnswer& law, std::size_t output,
+                      const Snapshot::UncertaintyLine& line, const Basis& basis) {
+  if (law.systematic.size() == 0) return 0;
+  const auto& errors = snapshot.geometry->errors;
+  const std::size_t size = snapshot.basis_size();
+  double sum = 0;
+  for (std::size_t row = 0; row < line.errors.size(); ++row)
+    for (std::size_t e = 0; e < errors.size(); ++e) {
+      if (errors[e].source != line.source || errors[e].number != line.errors[row]) continue;
+      const double terms_nm = dot(line.roots_nm.data() + row * size, basis.b.data(), size);
+      const double nm = kNmPerMm * law.systematic(static_cast<Eigen::Index>(output),
+                                                  static_cast<Eigen::Index>(e));
+      sum += nm * (nm + 2 * terms_nm);
+    }
+  return sum;
 }
 
 Error lost_digits(const Snapshot& snapshot, const Snapshot::Output& output, double form_nm2) {

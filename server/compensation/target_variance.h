@@ -1,6 +1,8 @@
 #pragma once
 // The variance of a target from an output's lines at one pose.
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "server/compensation/basis_values.h"
@@ -22,6 +24,16 @@ struct Variance {
 // terms: of this pose, whose basis is there.
 Variance whole_variance(const Snapshot& snapshot, const Snapshot::Output& output,
                         const Basis& basis, PoseTerms& terms);
+
+// Of one line, nm^2: its form and its roots.
+double line_variance(const Snapshot::UncertaintyLine& line, std::size_t size, const Basis& basis,
+                     const double* squares);
+// Part of a geometry's parameters in the squares of a line's errors, whose terms are in the line.
+struct LawAnswer;
+double systematic_nm2(const Snapshot& snapshot, const LawAnswer& law, std::size_t output,
+                      const Snapshot::UncertaintyLine& line, const Basis& basis);
+// In outputs' units; variances empty where they are not known.
+double share_nm2(const Eigen::VectorXd& variances, std::size_t output);
 
 // failed_precondition DIGITS_LOST: of a model stored before, whose covariance has no root and too
 // few digits.

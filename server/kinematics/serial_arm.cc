@@ -184,6 +184,21 @@ Prediction SerialArm::evaluate(std::span<const double> inputs, const Eigen::Vect
   return prediction;
 }
 
+std::vector<Eigen::Isometry3d> SerialArm::between_joints(const Eigen::VectorXd& values) const {
+  std::vector<Eigen::Isometry3d> all(1, Eigen::Isometry3d::Identity());
+  for (const auto& element : chain_) {
+    double by = element.parameter < 0 ? element.fixed : values[element.parameter];
+    if (element.parameter >= 0 && element.kind == Kind::turn) by = rad_from_deg(by);
+    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(element.axis);
+    if (element.joint >= 0) all.push_back(Eigen::Isometry3d::Identity());
+    if (element.kind == Kind::turn)
+      all.back().rotate(Eigen::AngleAxisd(by, axis));
+    else
+      all.back().translate(by * axis);
+  }
+  return all;
+}
+
 SerialArm::Posture SerialArm::posture(std::span<const double> inputs, const Eigen::VectorXd& values,
                                       Derivatives by_parameters) const {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();

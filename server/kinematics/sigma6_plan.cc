@@ -64,8 +64,7 @@ std::vector<Eigen::Vector3d> cube_mm(int count, double half_mm) {
 MirrorPrism sigma6_prism() {
   return {{-3 * kArcsecPerDegree, -1.5 * kArcsecPerDegree, 0, 1.5 * kArcsecPerDegree,
            3 * kArcsecPerDegree},
-          400,
-          0};
+          400};
 }
 
 Result<FacetReading> facet_for(const MirrorPrism& prism, double angle_arcsec) {
@@ -84,14 +83,6 @@ Result<FacetReading> facet_for(const MirrorPrism& prism, double angle_arcsec) {
                     " arcsec; the nearest that is read is " + digits_text(nearest));
   }
   return best;
-}
-
-double angle_from(const MirrorPrism& prism, const FacetReading& reading) {
-  return prism.facets_arcsec[reading.facet] + reading.reading_arcsec;
-}
-
-double u_angle(const MirrorPrism& prism, double u_reading_arcsec) {
-  return std::hypot(prism.u_facet_arcsec, u_reading_arcsec);
 }
 
 Result<std::vector<SigmaStage>> sigma6_stages(const SixStruts& robot) {

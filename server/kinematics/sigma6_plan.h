@@ -17,7 +17,6 @@ namespace driftwise::kinematics {
 struct MirrorPrism {
   std::vector<double> facets_arcsec;  // 0: the cube's own face
   double range_arcsec = 400;          // of the autocollimator
-  double u_facet_arcsec = 0;          // standard uncertainty of a facet's angle
 };
 struct FacetReading {
   std::size_t facet = 0;
@@ -26,9 +25,6 @@ struct FacetReading {
 // The facet that reads a rotation. Errors: out_of_range NO_POSE: between two facets nothing reads
 // it, naming the nearest angle that is read.
 Result<FacetReading> facet_for(const MirrorPrism& prism, double angle_arcsec);
-// What a reading means, and its standard uncertainty: the facet's is common to all its readings.
-double angle_from(const MirrorPrism& prism, const FacetReading& reading);
-double u_angle(const MirrorPrism& prism, double u_reading_arcsec);
 // -3, -1.5, 0, 1.5 and 3 degrees.
 MirrorPrism sigma6_prism();
 

@@ -33,6 +33,7 @@ using boost::system::error_code;
 using WallClock = std::chrono::steady_clock;
 
 constexpr int kMostUnknownLines = 16;  // of a client that does not say who it is
+constexpr int kMostSearches = 8;       // of arms' joints, that wait for the background thread
 
 // A peer that vanished is noticed after about a minute and a half.
 void watch_peer(tcp::socket& socket) {
@@ -76,7 +77,8 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   std::size_t clients() const { return sessions_.size(); }
   std::size_t turned_away() const { return turned_away_; }
   bool is_shut() const { return shut_; }
-  void answer(std::string_view line, std::string& out) const;
+  // False: an arm's joints are searched for, and the answer comes back by Session::on_answer().
+  bool answer(std::string_view line, std::string& out, const std::shared_ptr<Session>& session);
   void answer_joint(std::string_view line, std::string& out) const;
   void forget(Session* session) { sessions_.erase(session); }
   void tell_failed_handshake(const std::string& from, error_code why);
@@ -89,6 +91,8 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
  private:
   void take(tcp::socket socket);
   bool make_room();
+  void search(const compensation::Snapshot& present, const compensation::TargetRequest& request,
+              std::shared_ptr<Session> session);
 
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
@@ -97,6 +101,7 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   LineParts parts_;
   LineDoor door_;
   bool shut_ = false;
+  int searches_ = 0;
   std::size_t turned_away_ = 0;
   WallClock::time_point told_{};
   access::FailedHandshakes failed_handshakes_;
@@ -104,8 +109,8 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
 };
 
 // One connection: read what is there, answer every whole line of it in one write, read on. While an
-// answer is not yet taken, or a token is looked at, nothing is read, so a client that does not
-// listen costs one buffer.
+// answer is not yet taken, a token is looked at or an arm's joints are searched for, nothing is
+// read, so a client that does not listen costs one buffer.
 class TargetLineServer::Door::Session : public std::enable_shared_from_this<Session> {
  public:
   Session(std::unique_ptr<LineSocket> socket, LineRights rights, std::shared_ptr<Door> door)
@@ -160,6 +165,13 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
       last_ = who.error().code == ErrorCode::resource_exhausted || ++unknown_lines_ >= 3;
     }
     if (last_) return write();
+    go_on();
+  }
+  void on_answer(std::string_view text) {
+    if (last_) return;
+    active_ = WallClock::now();
+    checking_ = false;
+    out_ += text;
     go_on();
   }
 
@@ -221,7 +233,7 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
       last_ = !rights_.known() && ++unknown_lines_ >= kMostUnknownLines;
       return;
     }
-    door_->answer(line, out_);
+    checking_ = !door_->answer(line, out_, shared_from_this());
   }
   void write() {
     socket_->write(out_, [self = shared_from_this()](error_code error, std::size_t) {
@@ -324,17 +336,59 @@ void TargetLineServer::Door::shut() {
   for (auto* session : open) session->close();
 }
 
-void TargetLineServer::Door::answer(std::string_view line, std::string& out) const {
-  if (line.starts_with("JOINT")) return answer_joint(line, out);
+bool TargetLineServer::Door::answer(std::string_view line, std::string& out,
+                                    const std::shared_ptr<Session>& session) {
+  if (line.starts_with("JOINT")) {
+    answer_joint(line, out);
+    return true;
+  }
   auto request = formats::parse_target_line(line);
-  if (!request) return formats::append_error_answer(out, request.error());
+  if (!request) {
+    formats::append_error_answer(out, request.error());
+    return true;
+  }
   request->now = parts_.clock.now().utc;
   const auto snapshot = parts_.board.read();
   static const compensation::Snapshot kNone;  // no model: refused as such
   const auto& present = snapshot ? *snapshot : kNone;
+  const bool searched = compensation::needs_search(present, *request);
+  if (searched && searches_ < kMostSearches) {
+    search(present, *request, session);
+    return false;
+  }
+  if (searched) {
+    formats::append_error_answer(
+        out, {ErrorCode::resource_exhausted, reasons::kBusy,
+              std::to_string(kMostSearches) +
+                  " searches of an arm's joints are waiting, which is the most; ask again in a "
+                  "moment, or state near_q1_deg and so on near the solution"});
+    return true;
+  }
   auto target = compensation::compute_target(present, *request);
   target.valid_until = {parts_.clock.utc(target.valid_until).ns};  // the wire has UTC
   formats::append_target_answer(out, present, target, request->with_uncertainty);
+  return true;
+}
+
+// On the background thread, from a copy: whoever holds the board's snapshot holds up the writer.
+void TargetLineServer::Door::search(const compensation::Snapshot& present,
+                                    const compensation::TargetRequest& request,
+                                    std::shared_ptr<Session> session) {
+  ++searches_;
+  asio::post(parts_.background, [door = shared_from_this(), session = std::move(session), request,
+                                 kept = std::make_shared<const compensation::Snapshot>(present),
+                                 executor = parts_.executor]() mutable {
+    auto target = compensation::compute_target(*kept, request);
+    asio::post(executor, [door = std::move(door), session = std::move(session), request,
+                          kept = std::move(kept), target = std::move(target)]() mutable {
+      --door->searches_;
+      if (door->is_shut()) return;
+      target.valid_until = {door->parts_.clock.utc(target.valid_until).ns};
+      std::string text;
+      formats::append_target_answer(text, *kept, target, request.with_uncertainty);
+      session->on_answer(text);
+    });
+  });
 }
 
 void TargetLineServer::Door::answer_joint(std::string_view line, std::string& out) const {

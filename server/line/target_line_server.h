@@ -3,7 +3,8 @@
 // reads lines, answers from the newest snapshot. Rules and texts of targets are in
 // server/formats/export/target_line.
 //
-// Thread: everything on the executor's thread, which must be one; only tokens are checked on the
+// Thread: everything on the executor's thread, which must be one; only tokens are checked, and an
+// arm's joints searched for (compensation::needs_search, ERR BUSY beyond eight that wait), on the
 // background thread. Lifetime: the board, the clock and the access outlive stop() (or the
 // destructor, which stops too); after it nothing of them is touched, whatever handlers are still
 // queued. Limits: kMaxClients connections, formats::kMaxTargetLine bytes a line (ERR LINE_TOO_LONG,

@@ -42,9 +42,11 @@ void add_instant(const compensation::Snapshot& snapshot, compensation::TargetReq
   request.now = CellTime{};  // how old it is, is known
   request.with_uncertainty = false;
   out.at.push_back(snapshot.built_at);
-  const auto target = compensation::compute_target(snapshot, request);
-  const bool known =
-      measured && target.refusal == compensation::Refusal::none && target.missing == 0;
+  // A geometry has no straight kinematics to differ from: nothing is searched for.
+  const bool asked = measured && !snapshot.geometry;
+  const auto target =
+      asked ? compensation::compute_target(snapshot, request) : compensation::Target{};
+  const bool known = asked && target.refusal == compensation::Refusal::none && target.missing == 0;
   for (std::size_t i = 0; i < out.tracks.size(); ++i) {
     const auto parts = known ? compensation::correction_parts(snapshot, request, i) : std::nullopt;
     out.tracks[i].correction_nm.push_back(parts ? parts->sum_nm() : kMissing);

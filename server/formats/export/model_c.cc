@@ -41,7 +41,7 @@ Result<CInputs> collect_inputs(const calibration::Model& model) {
           return not_exportable(
               term, kind != nullptr && kind->memoryless
                         ? "needs a function of the C library, whose last digits differ from one "
-                          "to another: the exported file has to give the daemon's own"
+                          "to another: the exported file has to give the same on every controller"
                         : "has a memory: it is no function of the present values");
         }
       for (const auto& symbol : effects::symbols_of(term))
@@ -172,8 +172,12 @@ std::string head_comment(const calibration::Model& model, const std::string& rob
          "side is\n * still inside, as in the daemon), in the order above, pose first; q is given "
          "either way.\n"
          " *\n"
-         " * Compile without contraction of a * b + c (-std=c99, or -ffp-contract=off) to get the "
-         "daemon's digits.\n"
+         " * Compile without contraction of a * b + c (-std=c99, or -ffp-contract=off): then q is "
+         "that of the\n * model's formula, term by term in its order, to the last bit. The "
+         "daemon's "
+         "target differs from it by\n * rounding: the daemon sums temperatures and pose in two "
+         "steps, "
+         "in another order.\n"
          " * Self test: cc -std=c99 -DDRIFTWISE_MODEL_SELF_TEST this_file.c && ./a.out\n"
          " */\n"
          "int " +

@@ -9,7 +9,9 @@
 // the names are without it ("x_mm" of "ma.x_mm"), and the head comment has the id. Returned: 0, or
 // a bit per input outside the fitted domain, pose first. The arithmetic is that of
 // effects::TermEvaluator, product by product in the same order: without contraction
-// (-ffp-contract=off, the default of -std=c99 in GCC) the results are the same to the last bit.
+// (-ffp-contract=off, the default of -std=c99 in GCC) the results are the same to the last bit. A
+// target of the daemon sums in another order (compensation/snapshot.h): it differs by rounding, at
+// most n eps times the sum of the n terms' sizes.
 // Two further functions carry it to another zero, as serving does (docs/decisions/0005):
 // ..._zero(pose, temperatures, q, zero) finds where that zero lies in the model's own datum,
 // ..._from(zero, pose, temperatures, q) answers from there.

@@ -200,7 +200,8 @@ Result<void> answer_target(const compensation::Snapshot& snapshot,
     if (parts) coordinate.set_correction_nm(parts->sum_nm());
     if (!with_budget) continue;
     if (parts) add_parts(*parts, coordinate);
-    const auto budget = compensation::compute_budget(snapshot, request, i);
+    const auto budget =
+        compensation::compute_budget(snapshot, request, i, {target.q_mm.data(), target.outputs});
     for (std::size_t line = 0; line < budget.lines; ++line) {
       auto& added = *coordinate.add_budget();
       added.set_source(source_from(budget.line[line].source));

@@ -93,9 +93,9 @@ Result<void> add_pose(const compensation::Snapshot& snapshot,
 
 }  // namespace
 
-Result<void> map_targets(const compensation::Snapshot& snapshot,
-                         const v1::MapTargetsRequest& request, CellTime now,
-                         v1::MapTargetsResponse& response) {
+Result<TargetMap> begin_map(const compensation::Snapshot& snapshot,
+                            const v1::MapTargetsRequest& request,
+                            v1::MapTargetsResponse& response) {
   if (snapshot.outputs.empty())
     return tl::unexpected(compensation::refusal_error(
         snapshot, compensation::compute_target(snapshot, compensation::TargetRequest{})));
@@ -109,19 +109,32 @@ Result<void> map_targets(const compensation::Snapshot& snapshot,
   *response.mutable_vertical() = vertical;
   for (const auto& output : snapshot.outputs)
     response.add_planes()->set_channel(output.channel.name());
-  // Checks the channels, and refuses an axis that stands twice.
-  auto pose = first_pose(request, horizontal, vertical);
-  for (int row = 0; row < vertical.count(); ++row)
-    for (int column = 0; column < horizontal.count(); ++column) {
-      pose[pose.size() - 2].set_value(position(horizontal, column));
-      pose[pose.size() - 1].set_value(position(vertical, row));
-      DRIFTWISE_TRY(auto asked, pose_from(pose, now));
-      asked.show_unreachable = true;  // marked: a picture has no gaps
-      if (auto added = add_pose(snapshot, asked, response); !added) return added;
-    }
   add_domain(snapshot, response);
   response.set_model_id(snapshot.model.value);
   *response.mutable_conditions_time() = timestamp_from(snapshot.built_at);
+  return TargetMap{horizontal, vertical, first_pose(request, horizontal, vertical)};
+}
+
+Result<void> add_map_row(const compensation::Snapshot& snapshot, const TargetMap& map, int row,
+                         CellTime now, v1::MapTargetsResponse& response) {
+  auto pose = map.pose;
+  for (int column = 0; column < map.horizontal.count(); ++column) {
+    pose[pose.size() - 2].set_value(position(map.horizontal, column));
+    pose[pose.size() - 1].set_value(position(map.vertical, row));
+    // Checks the channels, and refuses an axis that stands twice.
+    DRIFTWISE_TRY(auto asked, pose_from(pose, now));
+    asked.show_unreachable = true;  // marked: a picture has no gaps
+    DRIFTWISE_RETURN_IF_ERROR(add_pose(snapshot, asked, response));
+  }
+  return {};
+}
+
+Result<void> map_targets(const compensation::Snapshot& snapshot,
+                         const v1::MapTargetsRequest& request, CellTime now,
+                         v1::MapTargetsResponse& response) {
+  DRIFTWISE_TRY(const auto map, begin_map(snapshot, request, response));
+  for (int row = 0; row < map.vertical.count(); ++row)
+    DRIFTWISE_RETURN_IF_ERROR(add_map_row(snapshot, map, row, now, response));
   return {};
 }
 

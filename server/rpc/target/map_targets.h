@@ -15,4 +15,15 @@ Result<void> map_targets(const compensation::Snapshot& snapshot,
                          const v1::MapTargetsRequest& request, CellTime now,
                          v1::MapTargetsResponse& response);
 
+// The same in pieces, for an arm, whose rows take up to a second each. pose: of the first position;
+// its last two values are those of the axes. row: 0 to vertical.count() - 1, in their order.
+struct TargetMap {
+  v1::MapAxis horizontal, vertical;
+  google::protobuf::RepeatedPtrField<v1::ChannelValue> pose;
+};
+Result<TargetMap> begin_map(const compensation::Snapshot& snapshot,
+                            const v1::MapTargetsRequest& request, v1::MapTargetsResponse& response);
+Result<void> add_map_row(const compensation::Snapshot& snapshot, const TargetMap& map, int row,
+                         CellTime now, v1::MapTargetsResponse& response);
+
 }  // namespace driftwise::rpc

@@ -1,5 +1,8 @@
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <memory>
+#include <utility>
 
 #include "server/application/ports/host.h"
 #include "server/application/serving/targets.h"
@@ -13,6 +16,20 @@ using application::Host;
 using application::Targets;
 using WallClock = std::chrono::steady_clock;
 
+// An answer, made on whichever thread.
+struct Answered {
+  v1::WatchTargetsResponse response;
+  Result<void> result;
+};
+
+std::shared_ptr<Answered> answered_by(const compensation::Snapshot& snapshot,
+                                      const compensation::TargetRequest& request) {
+  auto answered = std::make_shared<Answered>();
+  answered->result = answer_target(snapshot, request, false, *answered->response.mutable_target());
+  return answered;
+}
+
+// An arm's joints are searched for on the background thread, once at a time for each watch.
 class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
  public:
   TargetSource(const Host& host, Targets& targets, compensation::TargetRequest request,
@@ -32,7 +49,8 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
   }
 
   std::optional<v1::WatchTargetsResponse> next() override {
-    if (!due_ || end_) return std::nullopt;
+    if (found_) return told(std::exchange(found_, nullptr));
+    if (!due_ || end_ || searching_) return std::nullopt;
     const auto now = WallClock::now();
     if (now < not_before_) {
       wait_until(not_before_);
@@ -40,21 +58,42 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
     }
     due_ = false;
     not_before_ = now + min_interval_;
-    v1::WatchTargetsResponse response;
     const auto snapshot = targets_.snapshots().read();
     request_.now = host_.now();
-    const compensation::Snapshot nothing;  // its refusal says that no model serves
-    const auto answered =
-        answer_target(snapshot ? *snapshot : nothing, request_, false, *response.mutable_target());
-    if (!answered) {
-      end_ = answered;
-      return std::nullopt;
-    }
-    return response;
+    static const compensation::Snapshot nothing;  // its refusal says that no model serves
+    const auto& present = snapshot ? *snapshot : nothing;
+    if (!compensation::needs_search(present, request_)) return told(answered_by(present, request_));
+    search(present);
+    return std::nullopt;
   }
   std::optional<Result<void>> ended() override { return end_; }
 
  private:
+  std::optional<v1::WatchTargetsResponse> told(const std::shared_ptr<Answered>& answered) {
+    if (answered->result) return std::move(answered->response);
+    end_ = answered->result;
+    return std::nullopt;
+  }
+
+  // From a copy: whoever holds the board's snapshot holds up the writer.
+  void search(const compensation::Snapshot& present) {
+    searching_ = true;
+    boost::asio::post(
+        host_.background(),
+        [kept = std::make_shared<const compensation::Snapshot>(present), request = request_,
+         executor = host_.executor(), me = std::weak_ptr<TargetSource*>(me_)]() mutable {
+          boost::asio::post(executor, [found = answered_by(*kept, request), me = std::move(me)] {
+            const auto alive = me.lock();  // a source goes on this thread
+            if (alive) (*alive)->take(found);
+          });
+        });
+  }
+  void take(std::shared_ptr<Answered> found) {
+    searching_ = false;
+    found_ = std::move(found);
+    wake_();
+  }
+
   void wait_until(WallClock::time_point instant) {
     timer_.expires_at(instant);
     timer_.async_wait([wake = wake_](boost::system::error_code cancelled) {
@@ -70,6 +109,9 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
   WallClock::time_point not_before_{};
   std::function<void()> wake_;
   bool due_ = true;  // the first target goes out at once
+  bool searching_ = false;
+  std::shared_ptr<Answered> found_;  // by a search, not told yet
+  const std::shared_ptr<TargetSource*> me_ = std::make_shared<TargetSource*>(this);
   std::optional<Result<void>> end_;
   std::shared_ptr<void> watch_;  // last: it goes first, and with it the callback that knows this
 };

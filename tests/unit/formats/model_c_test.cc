@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include <iterator>
 #include <random>
 #include <sstream>
+#include <utility>
 
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
@@ -101,6 +103,44 @@ TEST_F(CompiledModel, AgreesWithTheFormulaAndFlagsTheDomain) {
   EXPECT_EQ(inside, 0);
   EXPECT_EQ(x_out, 1);
   EXPECT_EQ(both_out, 3);
+}
+
+// The daemon folds the temperatures into the coefficients first, so its sum runs in another order:
+// of n terms it differs by no more than n eps of their sizes, twice.
+TEST_F(CompiledModel, DiffersFromTheDaemonsTargetByTheRoundingOfItsSumAlone) {
+  const auto model = axis_model();
+  std::string source = *write_model_c(model, "axis");
+  EXPECT_EQ(source.find("daemon's digits"), std::string::npos);
+  EXPECT_NE(source.find("differs from it by\n * rounding"), std::string::npos);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> along(-4, 4), warm(20, 22);
+  std::vector<std::pair<double, double>> places;
+  source += "#include <stdio.h>\nint main(void) {\n  double q[1];\n";
+  for (int i = 0; i < 200; ++i) {
+    const auto& [x, t] = places.emplace_back(along(random), warm(random));
+    std::ostringstream call;
+    call.precision(17);
+    call << "  { const double pose[1] = {" << x << "}, t[1] = {" << t
+         << "}; (void)driftwise_model_axis(pose, t, q); printf(\"%.17g \", q[0]); }\n";
+    source += call.str();
+  }
+  ASSERT_EQ(compile(source + "  return 0;\n}\n", ""), 0);
+  ASSERT_EQ(run_model(), 0);
+  std::istringstream printed(output());
+  auto builder = *compensation::SnapshotBuilder::create(model, ModelId{1}, CellDescription{});
+  builder.keep_model_datum();
+  for (const auto& [x, t] : places) {
+    const ChannelValue t07{"t07_degC", t};
+    builder.observe(std::span(&t07, 1), CellTime{1'000'000'000});
+    compensation::TargetRequest request;
+    request.set(compensation::Variable::x, x);
+    const auto target =
+        compensation::compute_target(builder.build(CellTime{1'000'000'000}), request);
+    const double sizes = 1.0 + std::abs(2.0 * x) + 0.5 * x * x + 1e-3 * t + 2e-4 * std::abs(x * t);
+    double q = 0;
+    ASSERT_TRUE(printed >> q);
+    EXPECT_NEAR(q, target.q_mm[0], 2 * 5 * 2.2e-16 * sizes) << x << " mm, " << t << " degC";
+  }
 }
 
 // Half a percent of the range on each side of it is inside, for the daemon and for the controller:

@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <random>
 
 #include "server/formats/cell_file/kinematics_section.h"
+#include "server/kinematics/arm_solver.h"
 
 namespace driftwise::kinematics {
 namespace {
@@ -77,7 +79,7 @@ TEST(ArmInverse, GivesTheSolutionNearestToTheAnglesAskedFor) {
   // The wrist turned over: joint 5 the other way, joints 4 and 6 by half a turn.
   const std::vector<double> over = {0.3, -1.2, 1.4, -1.0 + kPi, -1.1, 0.5 - kPi};
   const auto other = solve(arm, at, over);
-  ASSERT_TRUE(other) << other.error().message;
+  ASSERT_TRUE(other) << q[0] << ": " << other.error().message;
   EXPECT_LT(other->joints[4], 0);
   EXPECT_GT(own->joints[4], 0);
   const auto reached = posture(arm, other->joints);
@@ -128,6 +130,89 @@ TEST(ArmInverse, RefusesPosesNearASingularOneByName) {
   EXPECT_NE(refusal({0.3, -1.2, 0.001, -1.0, 1.1, 0.5}).find("elbow"), std::string::npos);
 }
 
+// A wrist whose three axes meet, as most industrial robots have it; forearm and upper arm in line
+// at q3 = 0.
+SerialArm arm_with_wrist() {
+  KinematicsDescription arm;
+  arm.kind = "serial-arm";
+  arm.links = {{{"q1", "rad"}, 0, 675, 350, -90}, {{"q2", "rad"}, 0, 0, 1350, 0},
+               {{"q3", "rad"}, -90, 0, 0, -90},   {{"q4", "rad"}, 0, 1400, 0, 90},
+               {{"q5", "rad"}, 0, 0, 0, -90},     {{"q6", "rad"}, 0, 0, 0, 0}};
+  return *SerialArm::create(arm);
+}
+
+std::string refusal_near(const SerialArm& arm, const std::vector<double>& q) {
+  const auto at = arm.posture(q, nominal_values(arm.parameters()));
+  const auto solution = nearest_joints(arm, nominal_values(arm.parameters()),
+                                       {at.tool.translation(), at.tool.linear()}, q, {});
+  return solution ? std::string("solved") : solution.error().reason;
+}
+
+// Postures that are singular by construction: joint 5 at 0, joint 3 at 0, the wrist over the axis
+// of joint 1.
+TEST(ArmInverse, NamesASingularPoseByTheJointsThatMakeIt) {
+  const auto arm = arm_with_wrist();
+  for (const double angle : {1e-4, 0.004, 0.01})
+    EXPECT_EQ(refusal_near(arm, {0.3, -1.2, 0.9, -1.0, angle, 0.5}), "NO_POSE(wrist)") << angle;
+  for (const double angle : {1e-4, 0.004, 0.01})
+    EXPECT_EQ(refusal_near(arm, {0.3, -1.2, angle, -1.0, 1.1, 0.5}), "NO_POSE(elbow)") << angle;
+  // Over the axis of joint 1: 350 + 1350 cos q2 + 1400 cos (q2 + q3) = 0.
+  const double q2 = -1.4;
+  const double q3 = -std::acos(-(350 + 1350 * std::cos(q2)) / 1400) - q2;
+  EXPECT_EQ(refusal_near(arm, {0.3, q2, q3, -1.0, 1.1, 0.5}), "NO_POSE(shoulder)");
+  EXPECT_EQ(refusal_near(arm, {0.3, q2, q3 + 0.4, -1.0, 1.1, 0.5}), "solved");
+  const auto bent = bent_ur10();
+  for (const double angle : {1e-4, 0.01, 0.02}) {
+    const std::vector<double> q = {0.3, -1.2, 1.4, -1.0, angle, 0.5};
+    const auto solution = solve(bent, posture(bent, q), q);
+    ASSERT_FALSE(solution) << angle;
+    EXPECT_EQ(solution.error().reason, "NO_POSE(wrist)") << angle;
+  }
+}
+
+// Number of solutions, from many more starts, drawn otherwise.
+template <class Arm>
+std::size_t solutions_of(const Arm& arm, const SerialArm::Posture& at,
+                         std::span<const double> temperatures) {
+  const WantedPose wanted{at.tool.translation(), at.tool.linear()};
+  const ArmSolver<6> solver(arm, nominal_values(arm.parameters()), wanted, temperatures);
+  std::mt19937_64 random(77);
+  std::uniform_real_distribution<double> anywhere(-kPi, kPi);
+  std::vector<Eigen::Matrix<double, 6, 1>> found;
+  for (int start = 0; start < 800; ++start) {
+    Eigen::Matrix<double, 6, 1> from;
+    for (double& angle : from) angle = anywhere(random);
+    const auto solution = solver.solve(from);
+    if (!solution) continue;
+    const bool known = std::ranges::any_of(found, [&](const auto& other) {
+      double apart = 0;
+      for (int j = 0; j < 6; ++j)
+        apart = std::max(apart, std::abs(std::remainder(other[j] - (*solution)[j], 2 * kPi)));
+      return apart < 1e-5;
+    });
+    if (!known) found.push_back(*solution);
+  }
+  return found.size();
+}
+
+TEST(ArmInverse, FindsAllSolutionsThatManyMoreStartsFind) {
+  const auto bent = bent_ur10(), wrist = arm_with_wrist();
+  for (const std::vector<double>& q : {std::vector<double>{0.3, -1.2, 1.4, -1.0, 1.1, 0.5},
+                                       std::vector<double>{-2.0, -0.8, 1.9, 0.7, 0.8, 1.5},
+                                       std::vector<double>{1.2, -2.4, 0.8, 2.0, 1.4, -2.5}}) {
+    const auto at = posture(bent, q);
+    const auto solution = solve(bent, at, q);
+    ASSERT_TRUE(solution) << solution.error().message;
+    EXPECT_EQ(static_cast<std::size_t>(solution->solutions), solutions_of(bent, at, kWarm));
+    const auto values = nominal_values(wrist.parameters());
+    const auto there = wrist.posture(q, values);
+    const auto other =
+        nearest_joints(wrist, values, {there.tool.translation(), there.tool.linear()}, q, {});
+    ASSERT_TRUE(other) << q[0] << ": " << other.error().message;
+    EXPECT_EQ(static_cast<std::size_t>(other->solutions), solutions_of(wrist, there, {}));
+  }
+}
+
 TEST(ArmInverse, RefusesWhatTheArmDoesNotReach) {
   const auto arm = bent_ur10();
   auto at = posture(arm, {0.3, -1.2, 1.4, -1.0, 1.1, 0.5});
@@ -152,6 +237,39 @@ TEST(ArmInverse, OfThreeJointsIsOfThePoint) {
   ASSERT_TRUE(solution) << solution.error().message;
   EXPECT_LT((arm.predict(solution->joints, values).value - point).norm() * 1e6, 1);
   EXPECT_EQ(solution->solutions, 4);  // elbow up and down, each with the base turned round
+}
+
+// Links of 500 and 400 mm reach from 100 to 900 mm from the joint between base and upper arm.
+TEST(ArmInverse, RefusesWhatTheLinksAreTooShortOrTooLongForBeforeItSearches) {
+  KinematicsDescription description;
+  description.kind = "serial-arm";
+  description.frame.x_mm = 70;
+  description.links = {{{"q1", "deg"}, 0, 300, 0, 90, 0},
+                       {{"q2", "deg"}, 0, 0, 500, 0, 0},
+                       {{"q3", "deg"}, 0, 0, 400, 0, 0}};
+  description.links[1].errors.sag_urad_per_m = 900;
+  const auto arm = *SerialArm::create(description);
+  const auto values = nominal_values(arm.parameters());
+  const std::vector<double> far_off = {170, -100, 100};
+  const Eigen::Vector3d along = Eigen::Vector3d(2, -1, 2) / 3;
+  for (const double mm : {99.0, 101.0, 600.0, 899.0, 901.0}) {
+    const WantedPose wanted{Eigen::Vector3d(70, 0, 300) + mm * along, {}};
+    const bool reached = mm > 100 && mm < 900;
+    EXPECT_EQ(needs_search(arm, values, wanted, far_off, {}), reached) << mm;
+    const auto solution = nearest_joints(arm, values, wanted, far_off, {});
+    if (reached) {
+      EXPECT_TRUE(solution || solution.error().reason == "NO_POSE(elbow)") << mm;
+      continue;
+    }
+    ASSERT_FALSE(solution) << mm;
+    EXPECT_EQ(solution.error().reason, "NO_POSE");
+    EXPECT_NE(solution.error().message.find(
+                  "the point would stand " + std::to_string(static_cast<int>(mm)) +
+                  " mm from the middle of joint 1, and the links between them reach from 100 to "
+                  "900 mm"),
+              std::string::npos)
+        << solution.error().message;
+  }
 }
 
 }  // namespace

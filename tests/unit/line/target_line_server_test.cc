@@ -2,11 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <future>
+#include <memory>
+#include <stdexcept>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "server/compensation/snapshot_builder.h"
 #include "tests/support/manual_clock.h"
@@ -84,6 +90,94 @@ TEST_F(TargetLine, AnswersEveryLineFromTheNewestSnapshot) {
             "OK q1_mm=3.5252 valid_until=2026-11-21T08:00:10Z model=3 flags=-");
   ASSERT_TRUE(board_.publish(snapshot_of(ModelId{4})));
   EXPECT_TRUE(client.ask("TARGET x_mm=1\r").ends_with("model=4 flags=-"));
+}
+
+// Three joints, far from where they are to be near to: the nearest solution has to be searched for.
+compensation::Snapshot arm_snapshot() {
+  KinematicsDescription arm;
+  arm.kind = "serial-arm";
+  arm.links = {{{"q1", "deg"}, 0, 300, 0, 90, 0},
+               {{"q2", "deg"}, 0, 0, 500, 0, 0},
+               {{"q3", "deg"}, 0, 0, 400, 0, 0}};
+  calibration::Model model;
+  model.geometry = calibration::Geometry{arm, {}, {}};
+  auto builder =
+      std::move(*compensation::SnapshotBuilder::create(model, ModelId{5}, CellDescription{}));
+  return builder.build(tests::kTestEpoch);
+}
+constexpr const char* kSearched =
+    "TARGET x_mm=500 y_mm=200 z_mm=400 near_q1_deg=170 near_q2_deg=-100 near_q3_deg=100\n";
+
+// A background thread that does nothing until it is asked to.
+class SearchingLine : public TargetLine {
+ protected:
+  SearchingLine() {
+    on_executor([this] {
+      auto apart = parts();
+      apart.background = background_.get_executor();
+      server_ = std::move(*TargetLineServer::start(apart, {"127.0.0.1:0"}));
+    });
+    if (!board_.publish(arm_snapshot())) throw std::runtime_error("no snapshot");
+  }
+  ~SearchingLine() override {
+    on_executor([this] { server_.reset(); });
+    search();
+  }
+  void search() {
+    background_.restart();
+    background_.run();
+  }
+  asio::io_context background_;
+};
+
+TEST_F(SearchingLine, KeepsTheExecutorFreeAndTheOrderOfAConnectionWhileItSearches) {
+  Client searching(server_->address()), other(server_->address());
+  searching.send(std::string(kSearched) + "MOVE\n");
+  EXPECT_TRUE(other.ask("TARGET x_mm=0").starts_with("ERR MISSING_COORDINATE "));
+  EXPECT_TRUE(other.ask("TARGET x_mm=5000 y_mm=0 z_mm=0 near_q1_deg=0 near_q2_deg=0 near_q3_deg=0")
+                  .starts_with("ERR NO_POSE "));
+  auto answers = std::async(std::launch::async, [&] {
+    const auto first = searching.line();
+    return std::pair(first, searching.line());
+  });
+  while (answers.wait_for(std::chrono::seconds(0)) != std::future_status::ready) search();
+  const auto [first, second] = answers.get();
+  EXPECT_TRUE(first.starts_with("OK q1_deg=")) << first;
+  EXPECT_TRUE(second.starts_with("ERR UNKNOWN_VERB ")) << second;
+}
+
+TEST_F(SearchingLine, RefusesTheNinthSearchThatWouldWait) {
+  std::vector<std::unique_ptr<Client>> clients;
+  std::vector<std::future<std::string>> answers;
+  for (int i = 0; i < 12; ++i) {
+    clients.push_back(std::make_unique<Client>(server_->address()));
+    answers.push_back(std::async(std::launch::async, [client = clients.back().get()] {
+      client->send(kSearched);
+      return client->line();
+    }));
+  }
+  const auto is_ready = [](const std::future<std::string>& answer) {
+    return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  while (std::ranges::count_if(answers, is_ready) < 4) std::this_thread::yield();
+  std::vector<std::string> refused, answered;
+  for (auto& answer : answers)
+    if (is_ready(answer)) refused.push_back(answer.get());
+  for (auto& answer : answers) {
+    while (answer.valid() && !is_ready(answer)) search();
+    if (answer.valid()) answered.push_back(answer.get());
+  }
+  ASSERT_EQ(refused.size(), 4u);
+  for (const auto& one : refused)
+    EXPECT_TRUE(one.starts_with("ERR BUSY 8 searches of an arm's joints are waiting")) << one;
+  for (const auto& one : answered) EXPECT_TRUE(one.starts_with("OK q1_deg=")) << one;
+  Client later(server_->address());
+  auto again = std::async(std::launch::async, [&] {
+    later.send(kSearched);
+    return later.line();
+  });
+  while (!is_ready(again)) search();
+  EXPECT_TRUE(again.get().starts_with("OK q1_deg="));
 }
 
 TEST_F(TargetLine, GoesOnAfterAMistake) {

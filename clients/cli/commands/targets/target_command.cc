@@ -54,16 +54,6 @@ std::string unreachable_text(const v1::Target& target) {
 
 bool reachable(const v1::Target& target) { return target.unreachable_channels().empty(); }
 
-// The pose coordinate that a motor coordinate of a robot without coupling stands beside: q1 - x and
-// so on.
-const v1::ChannelValue* beside(const v1::ComputeTargetRequest& request, int axis) {
-  static constexpr const char* kPose[] = {"x_mm", "y_mm", "z_mm"};
-  if (axis >= 3) return nullptr;
-  for (const auto& value : request.pose())
-    if (value.channel() == kPose[axis]) return &value;
-  return nullptr;
-}
-
 }  // namespace
 
 void print_flags(const Console& console, const v1::Target& target) {
@@ -122,10 +112,8 @@ void print_conditions(const Console& console, const v1::Target& target) {
   print_flags(console, target);
 }
 
-}  // namespace
-
-void print_target(const Console& console, const v1::ComputeTargetRequest& request,
-                  const v1::Target& target) {
+// For people: a table of coordinates, what the model adds in nm, uncertainty, then flags.
+void print_target(const Console& console, const v1::Target& target) {
   if (target.coordinates_size() > 0 && target.coordinates(0).has_joint()) {
     print_joints(console, target);
     print_budget(console, target.coordinates());
@@ -133,27 +121,22 @@ void print_target(const Console& console, const v1::ComputeTargetRequest& reques
   }
   Table table({{"coordinate"},
                {"mm", Align::right},
-               {"from pose nm", Align::right},
+               {"correction nm", Align::right},
                {"u nm", Align::right},
                {"U90 nm", Align::right},
                {"U (k=2) nm", Align::right}});
-  for (int i = 0; i < target.coordinates_size(); ++i) {
-    const auto& coordinate = target.coordinates(i);
-    const auto* pose = beside(request, i);
+  for (const auto& coordinate : target.coordinates()) {
     const std::string channel = coordinate.channel().substr(0, coordinate.channel().rfind('_'));
-    table.add(
-        {channel + (coordinate.has_min_mm() ? " (not reachable)" : ""),
-         fixed(coordinate.position_mm(), 7),
-         pose != nullptr ? signed_fixed((coordinate.position_mm() - pose->value()) * 1e6, 1) : "-",
-         fixed(coordinate.u_nm(), 1), fixed(coordinate.u90_nm(), 1),
-         fixed(coordinate.expanded_nm(), 1)});
+    table.add({channel + (coordinate.has_min_mm() ? " (not reachable)" : ""),
+               fixed(coordinate.position_mm(), 7),
+               coordinate.has_correction_nm() ? signed_fixed(coordinate.correction_nm(), 1) : "-",
+               fixed(coordinate.u_nm(), 1), fixed(coordinate.u90_nm(), 1),
+               fixed(coordinate.expanded_nm(), 1)});
   }
   table.print(console.out, console.paint_out());
   print_budget(console, target.coordinates());
   print_conditions(console, target);
 }
-
-namespace {
 
 // Declared uncertainties stand on them.
 void print_certificates(const Console& console, const Connection& connection) {
@@ -187,7 +170,7 @@ ExitCode ask_once(const Session& session, const v1::ComputeTargetRequest& reques
   if (session.console.json) {
     session.console.print_json(json_from(target));
   } else {
-    print_target(session.console, request, target);
+    print_target(session.console, target);
     if (request.with_budget()) print_certificates(session.console, connection);
   }
   return reachable(target) ? ExitCode::done : ExitCode::negative;
