@@ -226,6 +226,32 @@ bool DataFaults::tame_tails(const Extension& extension, const std::vector<NoiseS
   return true;
 }
 
+Eigen::MatrixXd DataFaults::channels() const {
+  const auto outputs = problem_.output_symbols();
+  const Eigen::Index rows = problem_.timeline.rows();
+  std::vector<Eigen::VectorXd> found = {Eigen::VectorXd::LinSpaced(rows, 0, 1)};
+  for (const auto& [channel, values] : problem_.prepared.conditions().columns) {
+    if (is_response(channel, outputs)) continue;
+    const Eigen::VectorXd learned = problem_.learned(
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+    if (learned.allFinite() && learned.maxCoeff() > learned.minCoeff()) found.push_back(learned);
+  }
+  Eigen::MatrixXd result(rows, static_cast<Eigen::Index>(found.size()));
+  for (std::size_t k = 0; k < found.size(); ++k)
+    result.col(static_cast<Eigen::Index>(k)) = found[k];
+  return result;
+}
+
+std::optional<TwoSides> DataFaults::sides_beyond(const Look& look, const Extension& extension,
+                                                 const Eigen::MatrixXd& series) const {
+  if (problem_.rows_per_block > 1 || problem_.outputs.front().freed_of.size() > 0) return {};
+  auto sides = two_sides(problem_.timeline, extension.learned(), series, channels());
+  const double best = look.first ? look.causes[*look.first].evidence : 0;
+  const double by_chance = 2 * std::log(static_cast<double>(series.cols()) / options_.alpha);
+  if (!sides || sides->gain < by_chance || sides->evidence < best) return std::nullopt;
+  return sides;
+}
+
 void DataFaults::free_of_sides(const TwoSides& sides, const SoftBase& simulation) {
   const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
   Eigen::VectorXd side = Eigen::VectorXd::Zero(rows);

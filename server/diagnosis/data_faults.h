@@ -3,6 +3,7 @@
 // becomes a finding or a note, and is taken out of what the search looks at.
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,11 +49,18 @@ class DataFaults {
   // those of the readings. False: nothing of it.
   bool tame_tails(const Extension& extension, const std::vector<NoiseShape>& shapes);
 
+  // Sides that describe the readings better than the best cause does: not of averages, nor twice.
+  // series: what is searched.
+  std::optional<TwoSides> sides_beyond(const Look& look, const Extension& extension,
+                                       const Eigen::MatrixXd& series) const;
+
   // The readings lie on two sides, and no cause explains them as well: the search works on what
   // they are without the sides. What is predicted of a row does not know its side.
   void free_of_sides(const TwoSides& sides, const SoftBase& simulation);
 
  private:
+  // Complete readings beside the outputs, and the order of the rows: rows that learn x k.
+  Eigen::MatrixXd channels() const;
   // Their rows, ascending, each once.
   std::vector<std::size_t> note_outliers(const std::vector<OutlierRow>& outliers);
   // A smooth field of place, time and conditions explains more than the changes of spread do: a

@@ -164,7 +164,7 @@ class Diagnoser {
                               : search.look(extension.learned(), extension.allowed());
       if (!look) return cancelled();
       result_.nulls = std::max(result_.nulls, look->nulls);
-      if (const auto sides = sides_beyond(*look, extension)) {
+      if (const auto sides = faults_.sides_beyond(*look, extension, series_)) {
         faults_.free_of_sides(*sides, extension.all());
         afresh_ = true;
         return {};
@@ -201,33 +201,6 @@ class Diagnoser {
       again = false;
     }
     return {};
-  }
-
-  // Complete readings beside the outputs, and the order of the rows: rows that learn x k.
-  Eigen::MatrixXd channels() const {
-    const auto outputs = problem_.output_symbols();
-    const Eigen::Index rows = problem_.timeline.rows();
-    std::vector<Eigen::VectorXd> found = {Eigen::VectorXd::LinSpaced(rows, 0, 1)};
-    for (const auto& [channel, values] : problem_.prepared.conditions().columns) {
-      if (is_response(channel, outputs)) continue;
-      const Eigen::VectorXd learned = problem_.learned(Eigen::Map<const Eigen::VectorXd>(
-          values.data(), static_cast<Eigen::Index>(values.size())));
-      if (learned.allFinite() && learned.maxCoeff() > learned.minCoeff()) found.push_back(learned);
-    }
-    Eigen::MatrixXd result(rows, static_cast<Eigen::Index>(found.size()));
-    for (std::size_t k = 0; k < found.size(); ++k)
-      result.col(static_cast<Eigen::Index>(k)) = found[k];
-    return result;
-  }
-
-  // Sides that describe the readings better than the best cause does: not of averages, nor twice.
-  std::optional<TwoSides> sides_beyond(const Look& look, const Extension& extension) const {
-    if (problem_.rows_per_block > 1 || problem_.outputs.front().freed_of.size() > 0) return {};
-    auto sides = two_sides(problem_.timeline, extension.learned(), series_, channels());
-    const double best = look.first ? look.causes[*look.first].evidence : 0;
-    const double by_chance = 2 * std::log(static_cast<double>(series_.cols()) / options_.alpha);
-    if (!sides || sides->gain < by_chance || sides->evidence < best) return std::nullopt;
-    return sides;
   }
 
   Result<void> look_at_remainder(const Physics& physics, Extension& extension) {
@@ -485,6 +458,8 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     if (!found) return found;
   }
   whole.sentences.insert(whole.sentences.end(), rounded.begin(), rounded.end());
+  for (auto& said : unread_coordinates(dataset, options))
+    whole.sentences.push_back(std::move(said));
   if (!dataset.set.empty() && std::ranges::count(dataset.set, PointSet::calibration) == 0)
     whole.sentences.push_back(
         "every row is marked for validation: they are what the search learns from, and nothing "

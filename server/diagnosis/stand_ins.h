@@ -23,7 +23,22 @@ struct StandIns {
   Dataset data;             // with the columns that stand in
   DiagnoseOptions options;  // the baseline reads the pose where it read a motor's place
   std::vector<std::pair<std::string, std::string>> names;  // that stands in, the file's own
+  bool replaced = false;                   // the file's own names are not beside them
+  std::vector<std::string> nameless = {};  // coordinates that no name of a coordinate was left for
 };
+
+// A length or an angle under a name of its own has the role that its place in the baseline gives
+// it: an output is a motor's, what is read is the pose's; the other way round where the outputs are
+// the pose or a motor is read. The catalogue knows roles by the names q<n>, x, y, z, rx, ry, rz, so
+// these stand for the file's own while causes are sought. What is a twentieth of the largest
+// coordinate of its kind, or less than a degree beside lengths, is a deviation or a tilt, and keeps
+// its name. Nothing where no channel has such a role.
+std::optional<StandIns> in_names_of_coordinates(const Dataset& dataset,
+                                                const DiagnoseOptions& options);
+
+// Sentences: lengths and angles under a name of their own that the baseline does not read, so that
+// no cause does.
+std::vector<std::string> unread_coordinates(const Dataset& dataset, const DiagnoseOptions& options);
 
 // Nothing where the file has both, or neither: pose coordinates that are outputs or do not repeat
 // are measured, more than three lengths or one angle are no axes of a machine. Where a motor's

@@ -4,7 +4,10 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <numeric>
+#include <random>
 
 namespace driftwise::identification {
 namespace {
@@ -36,6 +39,35 @@ std::string note_of(const Eigen::VectorXd& shares, const std::vector<Index>& kep
             parameters[static_cast<std::size_t>(kept[static_cast<std::size_t>(i)])].name;
   }
   return "cannot be told apart from " + text;
+}
+
+// Postures that nobody planned, inputs x postures: angles all round, all else about the middle of
+// the rows by the most that an input of its unit went.
+Eigen::MatrixXd generic_postures(const std::vector<Channel>& channels,
+                                 const Eigen::MatrixXd& inputs, Index count) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd low = Eigen::VectorXd::Constant(inputs.rows(), infinity), high = -low;
+  for (Index row = 0; row < inputs.cols(); ++row) {
+    if (!inputs.col(row).allFinite()) continue;
+    low = low.cwiseMin(inputs.col(row));
+    high = high.cwiseMax(inputs.col(row));
+  }
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Eigen::MatrixXd postures(inputs.rows(), count);
+  for (Index i = 0; i < inputs.rows(); ++i) {
+    const std::string& unit = channels[static_cast<std::size_t>(i)].unit;
+    double middle = 0, half = unit == "deg" ? 180 : std::numbers::pi;
+    if (unit != "deg" && unit != "rad") {
+      middle = (low[i] + high[i]) / 2;
+      half = 0;
+      for (Index k = 0; k < inputs.rows(); ++k)
+        if (channels[static_cast<std::size_t>(k)].unit == unit)
+          half = std::max(half, (high[k] - low[k]) / 2);
+    }
+    for (Index row = 0; row < count; ++row) postures(i, row) = middle + half * uniform(random);
+  }
+  return postures;
 }
 
 }  // namespace
@@ -86,6 +118,31 @@ Identifiability identifiable(const Eigen::MatrixXd& jacobian,
           .singularValues();
   result.condition = singular[0] / singular[singular.size() - 1];
   return result;
+}
+
+std::vector<std::string> hidden_in_every_posture(const kinematics::Mechanism& mechanism,
+                                                 const Eigen::VectorXd& values,
+                                                 const Eigen::MatrixXd& inputs) {
+  const auto& parameters = mechanism.parameters();
+  const auto count = static_cast<Index>(parameters.size());
+  const Index outputs = static_cast<Index>(mechanism.outputs().size());
+  const Eigen::MatrixXd postures = generic_postures(mechanism.inputs(), inputs, 4 * count);
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(postures.cols() * outputs, count);
+  for (Index row = 0; row < postures.cols(); ++row) {
+    const auto at =
+        mechanism.predict({postures.col(row).data(), static_cast<std::size_t>(postures.rows())},
+                          values, kinematics::Derivatives::yes);
+    if (at.value.allFinite() && at.jacobian.allFinite())
+      jacobian.middleRows(row * outputs, outputs) = at.jacobian;
+  }
+  for (Index k = 0; k < count; ++k)
+    jacobian.col(k) *= parameters[static_cast<std::size_t>(k)].natural;
+  const auto found = identifiable(jacobian, parameters);
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (found.free[k] == 0 && !parameters[k].held && !parameters[k].placement)
+      names.push_back(parameters[k].name);
+  return names;
 }
 
 Eigen::MatrixXd inverse_normal(const Eigen::MatrixXd& jacobian) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/kinematics/parameter.h"
+#include "server/kinematics/mechanism.h"
 
 namespace driftwise::identification {
 
@@ -22,6 +22,14 @@ struct Identifiability {
 // the singular values.
 Identifiability identifiable(const Eigen::MatrixXd& jacobian,
                              const kinematics::Parameters& parameters);
+
+// Names of the parameters that the mechanism with these values hides whatever its posture: held for
+// good by a robot file. What rows hide because a joint stood still, the next rows may show. inputs:
+// inputs x rows, that say where lengths lie; angles go all round. The description's own holds are
+// not among the names.
+std::vector<std::string> hidden_in_every_posture(const kinematics::Mechanism& mechanism,
+                                                 const Eigen::VectorXd& values,
+                                                 const Eigen::MatrixXd& inputs);
 
 // Of a Jacobian: covariance / variance, that is (J'J)^-1, by its singular values. Errors are the
 // caller's to exclude: J has full rank.

@@ -15,6 +15,7 @@
 #include "server/identification/identifiability.h"
 #include "server/identification/least_squares.h"
 #include "server/identification/pose_rows.h"
+#include "server/identification/serial_covariance.h"
 #include "server/kinematics/frame.h"
 
 namespace driftwise::identification {
@@ -217,10 +218,7 @@ Identification describe(const Work& work, const Identifiability& chosen,
   result.condition = chosen.condition;
   const Eigen::VectorXd left = work.residuals(solution.values);
   result.rss = left.reshaped(work.rows(), outputs).colwise().squaredNorm().transpose();
-  const double freedom =
-      std::max<double>(1, static_cast<double>(work.outputs.size() - work.unknowns()));
-  const Eigen::MatrixXd whole =
-      inverse_normal(work.jacobian(solution.values)) * (solution.sum_of_squares / freedom);
+  const Eigen::MatrixXd whole = serial_covariance(work.jacobian(solution.values), left, outputs);
   const Eigen::VectorXd deviation = whole.diagonal().cwiseSqrt();
   Eigen::VectorXd units(free);
   for (Index k = 0; k < free; ++k) units[k] = work.natural(k);

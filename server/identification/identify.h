@@ -8,9 +8,9 @@
 // The geometry stands in the first datum of the rows: datum(k) is what a further one lies apart,
 // and the constant is 0 but for the offered terms, which are counted from their means.
 //
-// Every output counts alike; parameters are scaled by what a deviation of each is worth
-// (kinematics::Parameter::natural). What cannot be told apart by such data about the drawing is
-// held at its nominal value and named (identifiability.h). docs/kinematics.md.
+// Every output counts alike in the solution; parameters are scaled by what a deviation of each is
+// worth (kinematics::Parameter::natural). What cannot be told apart by such data about the drawing
+// is held at its nominal value and named (identifiability.h). docs/kinematics.md.
 
 #include <memory>
 #include <span>
@@ -44,9 +44,9 @@ struct Identification {
   std::vector<effects::Term> undetermined;  // offered, and left out: calibration/undetermined.h
   Eigen::MatrixXd coefficients;             // terms x outputs
   Eigen::MatrixXd standard_errors;          // terms x outputs; 0 for the constant
-  // Classical, for independent errors: (J'J)^-1 s^2, s^2 the mean square of what is left. Of the
-  // free parameters, in their order and units; of the terms of each output, the constant's own
-  // share (it is the parameters') left out.
+  // J+ N J+' with the noise of each output as its residuals show it, in size and from row to row
+  // (serial_covariance.h). Of the free parameters, in their order and units; of the terms of each
+  // output, the constant's own share (it is the parameters') left out.
   Eigen::MatrixXd covariance;
   std::vector<Eigen::MatrixXd> term_covariances;
   Eigen::VectorXd rss;    // per output, over the calibration rows

@@ -8,6 +8,7 @@
 #include "server/calibration/design/predict.h"
 #include "server/core/data/unusable_values.h"
 #include "server/core/reasons.h"
+#include "server/core/text/trimmed.h"
 #include "server/core/try.h"
 #include "server/effects/direct_symbols.h"
 #include "server/identification/bench.h"
@@ -15,10 +16,7 @@
 namespace driftwise::identification {
 namespace {
 
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
-}
+std::string trimmed(std::string_view text) { return std::string(driftwise::trimmed(text, " \t")); }
 
 bool number(std::string_view text, double& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

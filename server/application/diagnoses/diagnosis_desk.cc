@@ -294,13 +294,6 @@ Awaitable<Result<void>> DiagnosisDesk::cancel(const Caller& caller, DiagnosisId 
   co_return co_await std::move(ending);
 }
 
-Awaitable<void> DiagnosisDesk::over(DiagnosisId id) {
-  const auto found = jobs_.find(id);
-  if (found == jobs_.end()) co_return;
-  const auto job = found->second;
-  while (!job->closed) co_await job->changed.wait();
-}
-
 void DiagnosisDesk::tell_present(const std::function<void(const DiagnosisProgress&)>& to) const {
   for (const auto& [id, job] : jobs_) to(job->progress);
 }

@@ -42,8 +42,6 @@ class DiagnosisDesk {
   // Does nothing to one that is over. Errors: of the database that does not take an end; it is
   // tried again by itself.
   Awaitable<Result<void>> cancel(const Caller& caller, DiagnosisId id);
-  // Resumes when its end is on record or the daemon ends, at once when it is not under way.
-  Awaitable<void> over(DiagnosisId id);
 
   // Where those under way stand.
   void tell_present(const std::function<void(const DiagnosisProgress&)>& to) const;

@@ -7,7 +7,9 @@
 #include <set>
 
 #include "server/application/models/fit_options.h"
+#include "server/calibration/design/predict.h"
 #include "server/calibration/linear/tail.h"
+#include "server/calibration/report/residual_statistics.h"
 #include "server/core/data/row_marks.h"
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
@@ -21,6 +23,7 @@
 #include "server/formats/model/model_json.h"
 #include "server/identification/accuracy.h"
 #include "server/identification/pose_influences.h"
+#include "server/identification/pose_rows.h"
 #include "server/kinematics/angles.h"
 #include "server/kinematics/drawing.h"
 #include "server/kinematics/mechanism.h"
@@ -64,7 +67,7 @@ double longest_mm(const kinematics::Parameters& parameters) {
 // A parameter of the robot itself: its place, its tool and its zeros do not tell robots apart.
 bool says_which_robot(const kinematics::Parameter& parameter) {
   return !parameter.placement && !parameter.name.starts_with("frame.") &&
-         !parameter.name.starts_with("tool.");
+         !parameter.name.starts_with("tool.") && !parameter.name.ends_with(".theta_deg");
 }
 
 Result<void> check_same_robot(const CellDescription& cell, const Mechanism& robot) {
@@ -129,7 +132,6 @@ calibration::OutputModel output_of(const identification::Judgement& judged, std:
   output.channel = judged.fitted.outputs[index];
   output.dof = static_cast<int>(found.rows) - judged.fitted.parameters(index);
   output.accuracy = accuracy_of(judged.outputs[index], found.rss[at], output.dof);
-  output.accuracy.effective_rows = static_cast<double>(found.rows);
   output.accuracy.condition_index = found.condition;
   output.terms = found.terms;
   output.coefficients.resize(static_cast<Index>(found.terms.size()));
@@ -146,6 +148,38 @@ calibration::OutputModel output_of(const identification::Judgement& judged, std:
   }
   output.covariance = found.terms.empty() ? Eigen::MatrixXd(0, 0) : found.term_covariances[index];
   return output;
+}
+
+// How the residuals follow one another, and what each term moves, over the calibration rows.
+Result<void> add_row_figures(const Dataset& data, const identification::Identification& found,
+                             calibration::Model& model) {
+  DRIFTWISE_TRY(const auto read, identification::mechanism_data(data, *found.mechanism));
+  DRIFTWISE_TRY(const auto predicted, identification::predict(data, found));
+  DRIFTWISE_TRY(const auto columns, calibration::raw_columns(data, found.terms));
+  auto rows = identification::complete_rows(data, PointSet::calibration,
+                                            {&predicted, &read.outputs, &columns});
+  // The first ones, where so many were asked for.
+  rows.resize(std::min(rows.size(), static_cast<std::size_t>(found.rows)));
+  if (rows.empty()) return {};
+  const std::vector<Index> at(rows.begin(), rows.end());
+  for (std::size_t o = 0; o < model.outputs.size(); ++o) {
+    auto& output = model.outputs[o];
+    const auto column = static_cast<Index>(o);
+    const Eigen::VectorXd residuals = (read.outputs - predicted)(at, column);
+    auto& accuracy = output.accuracy;
+    accuracy.lag1_autocorrelation = calibration::lag1_autocorrelation(residuals);
+    accuracy.effective_rows =
+        calibration::effective_rows(residuals.size(), accuracy.lag1_autocorrelation);
+    for (std::size_t k = 0; k < output.report.size(); ++k) {
+      auto& report = output.report[k];
+      if (report.term.is_constant()) continue;
+      Eigen::VectorXd moved = report.coefficient * columns(at, static_cast<Index>(k));
+      moved.array() -= moved.mean();
+      report.contribution_rms = std::sqrt(moved.squaredNorm() / static_cast<double>(moved.size()));
+      report.contribution_max = moved.cwiseAbs().maxCoeff();
+    }
+  }
+  return {};
 }
 
 // Over the calibration rows, in the unit of the channel.
@@ -214,6 +248,7 @@ Result<calibration::Model> model_of(const Dataset& data, const identification::J
   model.fit_us = judged.fitted.fit_us;
   for (std::size_t o = 0; o < judged.outputs.size(); ++o)
     model.outputs.push_back(output_of(judged, o));
+  DRIFTWISE_RETURN_IF_ERROR(add_row_figures(data, found, model));
   add_domain(data, *found.mechanism, model);
   calibration::Geometry geometry{
       kinematics::with_values(*found.mechanism, found.values()), {}, found.covariance};
@@ -290,6 +325,7 @@ Result<KinematicFit> kinematic_record(const std::optional<Dataset>& data,
 
   DRIFTWISE_TRY(auto options, method_options(*data, request));
   KinematicFit made;
+  std::vector<std::string> hold = geometry.hold;
   if (request.joint_errors) {
     diagnosis::DiagnoseOptions diagnose;
     diagnose.baseline = options.fit.candidates;
@@ -297,7 +333,11 @@ Result<KinematicFit> kinematic_record(const std::optional<Dataset>& data,
     DRIFTWISE_TRY(const auto found, diagnosis::diagnose_robot(*data, mechanism, diagnose));
     for (const auto& finding : found.diagnosis.findings)
       made.findings.push_back(diagnosis::sentence(finding));
-    DRIFTWISE_TRY(mechanism, kinematics::make_mechanism(found.robot));
+    // From the numbers as drawn: which of them these rows hide is asked of the drawing.
+    for (std::size_t k = 0; k < geometry.links.size(); ++k)
+      geometry.links[k].errors = found.robot.links[k].errors;
+    hold = found.robot.hold;
+    DRIFTWISE_TRY(mechanism, kinematics::make_mechanism(geometry));
   }
   options.mechanism = mechanism;
   identification::JudgeOptions judge;
@@ -305,7 +345,8 @@ Result<KinematicFit> kinematic_record(const std::optional<Dataset>& data,
   const auto lineage = options.fit.lineage;
   DRIFTWISE_TRY(const auto judged, identification::judge_method(
                                        *data, identification::Method::kinematic, options, judge));
-  DRIFTWISE_TRY(const auto model, model_of(*data, judged, request, lineage));
+  DRIFTWISE_TRY(auto model, model_of(*data, judged, request, lineage));
+  model.geometry->robot.hold = hold;
   DRIFTWISE_TRY(made.model, record_of(model, request));
   return made;
 }

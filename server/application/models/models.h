@@ -7,6 +7,7 @@
 #include "server/application/models/fit_request.h"
 #include "server/application/models/formula_check.h"
 #include "server/application/models/kinematic_record.h"
+#include "server/application/models/model_list.h"
 #include "server/application/ports/caller.h"
 #include "server/calibration/offer.h"
 #include "server/core/channel.h"
@@ -59,7 +60,7 @@ class Models {
   virtual Awaitable<Result<ModelResiduals>> residuals(ModelId model, std::vector<RunId> runs,
                                                       std::string csv) = 0;
   // A damaged one is listed with its damage, and is an error by itself.
-  virtual Awaitable<Result<std::vector<ModelRecord>>> list() = 0;
+  virtual Awaitable<Result<std::vector<ListedModel>>> list() = 0;
   virtual Awaitable<Result<ModelRecord>> get(ModelId id) = 0;
 };
 

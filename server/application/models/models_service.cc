@@ -27,6 +27,24 @@ Result<std::vector<calibration::OfferResult>> offers_of(const Dataset& dataset,
                                    calibration::published_offers(dataset, options.candidates));
 }
 
+// On the reader's thread: a text of megabytes is hashed.
+Result<ModelRecord> whole_model(Store& store, ModelId id) {
+  auto found = store.models().model(id);
+  if (!found && found.error().reason == reasons::kDatabaseDamaged) {
+    ModelRecord unread;
+    unread.id = id;
+    unread.damage = found.error().message;
+    found = std::move(unread);
+  }
+  if (!found) return found;
+  DRIFTWISE_RETURN_IF_ERROR(check_integrity(*found));
+  return found;
+}
+
+Result<std::vector<ListedModel>> listed_models(Store& store, ModelList* list) {
+  return list->of(store);
+}
+
 }  // namespace
 
 Awaitable<Result<std::vector<calibration::OfferResult>>> ModelsService::weigh_offers(
@@ -101,25 +119,12 @@ Awaitable<Result<ModelRecord>> ModelsService::store(Caller caller, ModelRecord r
   co_return stored;
 }
 
-Awaitable<Result<std::vector<ModelRecord>>> ModelsService::list() {
-  auto models = co_await reader_.models().models();
-  if (!models) co_return models;
-  for (auto& model : *models)
-    if (const auto whole = check_integrity(model); !whole) model.damage = whole.error().message;
-  co_return models;
+Awaitable<Result<std::vector<ListedModel>>> ModelsService::list() {
+  co_return co_await reader_.call(listed_models, &list_);
 }
 
 Awaitable<Result<ModelRecord>> ModelsService::get(ModelId id) {
-  auto found = co_await reader_.models().model(id);
-  if (!found && found.error().reason == reasons::kDatabaseDamaged) {
-    ModelRecord unread;
-    unread.id = id;
-    unread.damage = found.error().message;
-    found = std::move(unread);
-  }
-  if (!found) co_return found;
-  DRIFTWISE_CO_RETURN_IF_ERROR(check_integrity(*found));
-  co_return found;
+  co_return co_await reader_.call(whole_model, id);
 }
 
 }  // namespace driftwise::application

@@ -31,7 +31,7 @@ class ModelsService final : public Models {
   Awaitable<Result<FormulaCheck>> check_formula(FitRequest request) override;
   Awaitable<Result<ModelResiduals>> residuals(ModelId id, std::vector<RunId> runs,
                                               std::string csv) override;
-  Awaitable<Result<std::vector<ModelRecord>>> list() override;
+  Awaitable<Result<std::vector<ListedModel>>> list() override;
   Awaitable<Result<ModelRecord>> get(ModelId id) override;
 
  private:
@@ -47,6 +47,7 @@ class ModelsService final : public Models {
   EventLog& events_;
   Datasets& datasets_;
   asio::any_io_executor worker_;
+  ModelList list_;  // of the reader's thread
 };
 
 }  // namespace driftwise::application

@@ -73,10 +73,10 @@ void centre(Variable& variable, bool indicator) {
 }
 
 Result<Basis> make_basis(const std::vector<Variable>& variables,
-                         const std::vector<Monomial>& columns, std::size_t max_monomials) {
-  const auto too_many = [max_monomials] {
+                         const std::vector<Monomial>& columns) {
+  const auto too_many = [] {
     return fail(ErrorCode::invalid_argument, reasons::kTooManyTerms,
-                "the terms expand to more than " + std::to_string(max_monomials) +
+                "the terms expand to more than " + std::to_string(kMostMonomials) +
                     " products of powers: offer fewer or lower powers");
   };
   std::vector<Parts> expanded;
@@ -88,7 +88,7 @@ Result<Basis> make_basis(const std::vector<Variable>& variables,
   std::map<Monomial, int, decltype(by_degree)> index(by_degree);
   index.emplace(Monomial{}, 0);
   for (const auto& column : columns) {
-    expanded.push_back(expand(variables, column, max_monomials));
+    expanded.push_back(expand(variables, column, kMostMonomials));
     for (const auto& [monomial, value] : expanded.back()) {
       if (!std::isfinite(static_cast<double>(value)))
         return fail(ErrorCode::invalid_argument, reasons::kBadValue,
@@ -96,7 +96,7 @@ Result<Basis> make_basis(const std::vector<Variable>& variables,
                     "another unit");
       index.emplace(monomial, 0);
     }
-    if (index.size() > max_monomials) return too_many();
+    if (index.size() > kMostMonomials) return too_many();
   }
   Basis basis;
   for (auto& [monomial, position] : index) {

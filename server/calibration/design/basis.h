@@ -41,10 +41,11 @@ struct Basis {
 };
 
 // columns: the raw columns as monomials in the raw variables. Errors: invalid_argument
-// TOO_MANY_TERMS (more than max_monomials are needed), BAD_VALUE (a value so large that its powers
+// TOO_MANY_TERMS (more than kMostMonomials are needed), BAD_VALUE (a value so large that its powers
 // leave double precision).
+inline constexpr std::size_t kMostMonomials = 4000;
 Result<Basis> make_basis(const std::vector<Variable>& variables,
-                         const std::vector<Monomial>& columns, std::size_t max_monomials = 4000);
+                         const std::vector<Monomial>& columns);
 
 int degree(const Monomial& monomial);
 

@@ -10,8 +10,6 @@
 #include <numeric>
 #include <unsupported/Eigen/FFT>
 
-#include "server/calibration/noise/serial_noise.h"
-
 namespace driftwise::calibration {
 namespace {
 
@@ -228,12 +226,21 @@ NoiseSpectrum noise_spectrum(const Eigen::Ref<const Eigen::MatrixXd>& columns,
 
 Eigen::MatrixXd noise_gram(const Eigen::Ref<const Eigen::MatrixXd>& columns,
                            const NoiseSpectrum& noise) {
-  Eigen::MatrixXd gram = noise.white * (columns.transpose() * columns);
-  for (const auto& part : noise.slow)
-    if (part.variance > 0)
-      gram +=
-          part.variance * correlated_gram(columns, {.variance = 1, .share = 1, .rows = part.rows});
-  return gram;
+  const Eigen::MatrixXd across = columns.transpose();
+  // remembered: sum over earlier rows of their covariance with the row. One product with it serves
+  // all parts.
+  Eigen::MatrixXd remembered = Eigen::MatrixXd::Zero(across.rows(), across.cols());
+  for (const auto& part : noise.slow) {
+    if (!(part.variance > 0)) continue;
+    const double phi = std::exp(-1 / part.rows);
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(across.rows());
+    for (Index t = 0; t < across.cols(); ++t) {
+      remembered.col(t) += sum;
+      sum = phi * (sum + part.variance * across.col(t));
+    }
+  }
+  const Eigen::MatrixXd half = across * remembered.transpose();
+  return noise.variance() * (across * columns) + half + half.transpose();
 }
 
 }  // namespace driftwise::calibration

@@ -153,12 +153,6 @@ std::optional<PureError> from_repeated_poses(const Design& design,
 
 }  // namespace
 
-double standard_deviation(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  if (values.size() < 2) return 0;
-  return std::sqrt((values.array() - values.mean()).square().sum() /
-                   static_cast<double>(values.size() - 1));
-}
-
 double lag1_autocorrelation(const Eigen::Ref<const Eigen::VectorXd>& residuals) {
   const Index n = residuals.size();
   if (n < 3) return 0;

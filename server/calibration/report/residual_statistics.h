@@ -8,9 +8,6 @@
 
 namespace driftwise::calibration {
 
-// Sample standard deviation about the mean (n - 1); 0 below two values.
-double standard_deviation(const Eigen::Ref<const Eigen::VectorXd>& values);
-
 // Of successive residuals in time order; 0 below three values. Effective rows: n (1 - r) / (1 + r),
 // within 1..n: how many independent rows carry as much about a mean as these (first-order
 // autoregression; Bayley and Hammersley 1946).

@@ -236,6 +236,8 @@ void add_beams(CatalogueBuilder& builder) {
                 .scale = ParameterScale::inverse,
                 .outputs = {q}},
                reach, longest_of_its_own(builder));
+  if (builder.axes().empty() && builder.motors().empty())
+    builder.missing("cyclic_error", "no motor or pose coordinate varies");
   if (!reach.empty()) {
     std::string all;
     for (const auto& one : reach) all += (all.empty() ? "" : "; ") + one;

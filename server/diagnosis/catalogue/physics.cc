@@ -144,67 +144,8 @@ double noise_between_neighbours(const Problem& problem, std::size_t output,
   return std::max({sd, 1e-13 * (std::isfinite(measured) ? measured : 1), 1e-12});
 }
 
-std::span<const PhysicsRecord> physics_table() {
-  static const std::vector<PhysicsRecord> table = {
-      {"geometry_order", "departure from the simulated geometry at the stroke's end",
-       "1e-4 of the longest stroke or 10 sigma", "20 x", "straightness and scale of stages"},
-      {"thermal_offset", "nm/K",
-       "12 ppm/K x the machine's length (2 strokes, 100 mm at least; 1 m without a coordinate)",
-       "20 x", "Kaye and Laby 2.3.5: steel 11.7, aluminium 23.6 ppm/K"},
-      {"thermal_lag", "nm/K", "as thermal_offset", "20 x", "as thermal_offset"},
-      {"thermal_rate", "nm per K/h", "thermal_offset x 15 min", "20 x",
-       "delay of a minute to an hour"},
-      {"thermal_expansion",
-       "ppm/K of a coordinate; products of the second order as large at the stroke's end", "12",
-       "30", "no material of machines grows more"},
-      {"self_heating", "nm over the range of the motion's heat", "0.3 K x thermal_offset", "20 x",
-       "motors of stages at some watts"},
-      {"activity_heating",
-       "nm over the range of the activity, or of its square, behind a first-order lag",
-       "1 K x thermal_offset", "20 x", "spindles and motors warm their surroundings by kelvins"},
-      {"force_compliance", "nm/N", "100 or 10 sigma over the range of force", "50 x",
-       "10 N/um; flexures are softer"},
-      {"force_nonlinearity",
-       "share of the linear part at the largest force; nm/N^(2/3) of a contact",
-       "0.3; 200 or 10 sigma over the range of force", "50 x",
-       "joints; a steel ball of 10 mm on a flat (Hertz; Johnson, Contact Mechanics, 4.2)"},
-      {"force_position_coupling",
-       "change of nm/N over the stroke, up to the third order in the pose", "as force_compliance",
-       "50 x", "a cantilever's length; legs that turn"},
-      {"backlash", "nm; growth along the stroke", "200, 2e-5 of the stroke or 10 sigma; as much",
-       "50 x", "screws 1 to 10 um"},
-      {"probe_hysteresis", "nm of a coordinate that no motor moves alone", "as backlash", "50 x",
-       "dry friction of a plunger's guide"},
-      {"creep", "nm over the range of the moves", "1e-4 of the stroke or 10 sigma", "50 x",
-       "piezos 1 %, screws 1e-4"},
-      {"cyclic_error", "nm", "20, 1e-3 of the period within 1e-5 of the stroke, or 2 sigma", "10 x",
-       "interferometers 1 to 10 nm, scales 0.1 % of the pitch"},
-      {"abbe_offset", "mm", "20, or a third of what the cell allows",
-       "what the cell allows (u_offset_mm)", "centre of a mirror"},
-      {"cosine_error", "arcsec; mm of path before x = 0 with the tilts' squares",
-       "a third of the angle at which the beam leaves a 6 mm aperture, 1200 at most; beam 500 mm",
-       "3 x; 10 x", "the returning beam walks by 2 angle x stroke"},
-      {"refractive_index", "mm of dead path; share of the path measured", "100; 1",
-       "10 x; the whole", "Birch and Downs 1994"},
-      {"instrument_drift", "nm/h; ppm/h", "50 or 10 sigma over the duration; 1", "20 x",
-       "zero of interferometers and of probes; a laser that warms up, the weather"},
-      {"step_change", "nm", "316.4 or 10 sigma", "", "lost fringes; a slip has no end"},
-      {"periodic_disturbance", "nm", "20 or 2 sigma", "10 x", "air conditioning, vibration"},
-      {"joint_compliance", "urad per metre of lever; urad/(N m) where the links have masses",
-       "1000; 10", "20 x, falls only",
-       "10 kg on a gear of 1e5 N m/rad (Abele, CIRP Annals 56 (2007) 387)"},
-      {"gear_error", "arcsec, once and twice per turn of the joint", "40", "10 x",
-       "10 um of eccentricity on a radius of 50 mm"},
-      {"joint_offset_drift", "arcsec/K", "5 or 10 sigma over the range of temperature", "20 x",
-       "twice the expansion of steel"},
-      {"backlash joint", "arcsec between the flanks; gravity's torque chooses one", "20",
-       "10 x, positive", "gears of arms: less than a minute"},
-  };
-  return table;
-}
-
-Physics::Physics(const Problem& problem, const std::optional<LeverLimits>& levers, double width)
-    : problem_(problem), levers_(levers), width_(width), slopes_(slopes_of(problem)) {
+Physics::Physics(const Problem& problem, const std::optional<LeverLimits>& levers)
+    : problem_(problem), levers_(levers), slopes_(slopes_of(problem)) {
   for (const auto& column : problem.data().columns)
     if (column.channel.unit == "mm" &&
         (is_motor_symbol(column.channel.symbol) || is_pose_symbol(column.channel.symbol)))
@@ -390,8 +331,8 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
         most = parameter / (2 * std::numbers::pi) *
                std::max(1.0, slopes_.row(o).cwiseAbs().maxCoeff() / kNmPerMm);
       typical = std::min(typical, most / 3);
-      result.typical(k, o) = width_ * typical;
-      result.range(k, o) = width_ * std::min(typical * factor, most);
+      result.typical(k, o) = typical;
+      result.range(k, o) = std::min(typical * factor, most);
     }
   }
   return result;

@@ -1,6 +1,6 @@
 #pragma once
-// The catalogue's table of physics: how large each cause's amplitude typically is, how large it can
-// be, and from where that is known. Evidence for a cause is its marginal likelihood under the
+// The physics of the catalogue (docs/diagnosis.md has the table): how large each cause's amplitude
+// typically is, how large it can be. Evidence for a cause is its marginal likelihood under the
 // Gaussian prior N(0, typical^2); an amplitude beyond the range is not that cause.
 //
 // A cell narrows a prior by what it declares (lever arms: lever_limits.h); a file from anywhere has
@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -18,16 +17,6 @@
 #include "server/diagnosis/rows/problem.h"
 
 namespace driftwise::diagnosis {
-
-// One row of the table, for people: docs/diagnosis.md has the same text.
-struct PhysicsRecord {
-  const char* cause;
-  const char* amplitude;  // what the number is
-  const char* typical;    // standard deviation of the prior
-  const char* range;      // "" for none
-  const char* source;
-};
-std::span<const PhysicsRecord> physics_table();
 
 struct AmplitudePrior {
   // terms x outputs, summary unit of the output per unit of the term. 0: the cause does not act
@@ -42,8 +31,8 @@ double noise_between_neighbours(const Problem& problem, std::size_t output,
 
 class Physics {
  public:
-  // problem outlives it. width: every typical size and range is multiplied by it.
-  Physics(const Problem& problem, const std::optional<LeverLimits>& levers, double width = 1);
+  // problem outlives it.
+  Physics(const Problem& problem, const std::optional<LeverLimits>& levers);
 
   // columns: of the terms, one row per block.
   AmplitudePrior prior(const Cause& cause, const std::vector<effects::Term>& terms,
@@ -70,7 +59,6 @@ class Physics {
 
   const Problem& problem_;
   std::optional<LeverLimits> levers_;
-  double width_ = 1;
   double longest_stroke_mm_ = 0, hours_ = 0, force_range_ = 0;
   std::vector<double> between_neighbours_;  // noise, summary units
   Eigen::MatrixXd slopes_;  // outputs x 3, nm per mm of x y z; 0 where an axis does not vary

@@ -4,8 +4,12 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "server/calibration/linear/tall_kernels.h"
+
 namespace driftwise::diagnosis {
 namespace {
+
+namespace tall = calibration::tall;
 
 constexpr double kDependent = 1e-7;  // of a column's length: R's rank tolerance
 constexpr double kNothing = 1e-12;   // of what a prior adds to the variance of a row's noise
@@ -60,7 +64,20 @@ WhitenedSpace::WhitenedSpace(const Timeline& timeline, NoiseShape shape, const S
 }
 
 void WhitenedSpace::project(Eigen::Ref<Eigen::MatrixXd> white) const {
-  white.noalias() -= basis_ * (removed_.asDiagonal() * (basis_.transpose() * white)).eval();
+  if (basis_.cols() == 0 || white.cols() == 0) return;
+  // By the kernels of a fit, which use the processor's widest vectors; the last rows, fewer than a
+  // vector holds, by themselves.
+  const Eigen::Index rest = white.rows() % tall::kLanes, whole = white.rows() - rest;
+  const tall::Block columns{white.data(), white.outerStride(), whole, white.cols()};
+  // Blocks are not const; the kernels read this one only.
+  const tall::Block directions{const_cast<double*>(basis_.data()), basis_.outerStride(), whole,
+                               basis_.cols()};
+  Eigen::MatrixXd along(basis_.cols(), white.cols());
+  tall::products(directions, columns, along.data(), along.rows());
+  along.noalias() += basis_.bottomRows(rest).transpose() * white.bottomRows(rest);
+  along.array().colwise() *= removed_.array();
+  tall::subtract_product(directions, along.data(), along.rows(), columns);
+  white.bottomRows(rest).noalias() -= basis_.bottomRows(rest) * along;
 }
 
 Eigen::MatrixXd WhitenedSpace::left_over(Eigen::MatrixXd columns) const {

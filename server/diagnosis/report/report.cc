@@ -12,6 +12,7 @@
 #include "server/diagnosis/catalogue/parameter.h"
 #include "server/diagnosis/growth/correction_reach.h"
 #include "server/diagnosis/growth/motors_as_served.h"
+#include "server/diagnosis/report/instrument_numbers.h"
 #include "server/diagnosis/report/motor_figures.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/held_out_gain.h"
@@ -23,39 +24,6 @@ namespace {
 constexpr double kShown2lnl = 8;      // of one output
 constexpr double kOneAxis = 0.9;      // cosine: an error of several outputs is one coordinate's
 constexpr double kKnownShare = 0.25;  // of a correction: how well it is known at least
-
-// The only thing that a term of several is named after: "ppm_per_k" of x:t05 beside that of y:t05.
-std::string suffix(const effects::Term& term, std::size_t terms) {
-  if (terms < 2) return "";
-  if (const auto* power = std::get_if<effects::Power>(&term.factors.front()))
-    return "_" + power->symbol;
-  return "";
-}
-
-// "further_tau_s", "further2_tau_s": of the values that one alone leaves.
-std::string numbered(std::size_t value, const std::string& name) {
-  if (value == 0) return name;
-  return "further" + (value > 1 ? std::to_string(value) : "") + "_" + name;
-}
-
-// Of each output along a pose coordinate, by the baseline's linear term of it: summary unit per
-// unit of the coordinate. Nothing where the baseline has none.
-std::optional<Eigen::VectorXd> slopes_along(const Problem& problem, const std::string& symbol) {
-  std::size_t at = problem.base.size();
-  for (std::size_t k = 0; k < problem.base.size(); ++k) {
-    const auto& factors = problem.base[k].factors;
-    if (factors.size() != 1) continue;
-    const auto* power = std::get_if<effects::Power>(&factors.front());
-    if (power != nullptr && power->symbol == symbol && power->exponent == 1) at = k;
-  }
-  if (at == problem.base.size()) return std::nullopt;
-  Eigen::VectorXd slopes(static_cast<Eigen::Index>(problem.outputs.size()));
-  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-    const WeightedFit fit(problem, problem.learned(problem.base_columns), Eigen::MatrixXd(), o);
-    slopes[static_cast<Eigen::Index>(o)] = fit.coefficient(static_cast<Eigen::Index>(at));
-  }
-  return slopes;
-}
 
 // Which axis an instrument's error belongs to: the one whose own column is spread over the outputs
 // as the error is, each output by its noise.
@@ -140,7 +108,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     finding.parameters.push_back(std::move(parameter));
     for (std::size_t v = 1; v < named.values.size(); ++v)
       finding.parameters.push_back(
-          {numbered(v, cause.parameter), named.values[v].parameter, {}, {}});
+          {number_name(v, cause.parameter, {}, 1), named.values[v].parameter, {}, {}});
   }
   const std::size_t of_one_value = named.values.front().terms.size();
   for (const std::size_t rival : named.rivals)
@@ -151,8 +119,10 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
   const SoftBase base = extension.learned(index);
   const auto shown = static_cast<std::size_t>(
       std::ranges::count_if(gain.of_output, [](double one) { return one > kShown2lnl; }));
-  Eigen::VectorXd of_play = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(on.size())),
-                  error_of_play = of_play;
+  Eigen::VectorXd error_of_play = Eigen::VectorXd::Zero(std::ssize(on));
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(named.learned.cols(), std::ssize(on)),
+                  errors = coefficients;
+  std::vector<FoundParameter> of_outputs;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     if (on[o] == 0) continue;
     const auto& output = problem.outputs[o];
@@ -169,10 +139,9 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       const double coefficient = fit.added_coefficient(k), error = fit.added_error(k);
       added += coefficient * named.learned.col(k);
       one.coefficients.push_back(coefficient / output.factor);
-      if (k == 0) {
-        of_play[at] = coefficient;
-        error_of_play[at] = error;
-      }
+      coefficients(k, at) = coefficient;
+      errors(k, at) = one.shown ? error : 0;
+      if (k == 0) error_of_play[at] = error;
       const auto& term = named.terms[static_cast<std::size_t>(k)];
       const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
       const double parameter_at = named.values[v].parameter;
@@ -183,18 +152,18 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       if (number.name.empty() || !one.shown || !std::isfinite(error)) continue;
       const double value = coefficient * number.factor,
                    reach = kSigmaToU90 * error * std::abs(number.factor);
-      FoundParameter parameter{numbered(v, number.name) + suffix(term, of_one_value) +
-                                   (shown > 1 ? "_" + one.output : ""),
-                               value,
-                               Interval{value - reach, value + reach},
-                               {}};
+      FoundParameter parameter{
+          number_name(v, number.name, term, of_one_value) + (shown > 1 ? "_" + one.output : ""),
+          value,
+          Interval{value - reach, value + reach},
+          {}};
       // The motor chooses which side is positive; whether a play grows or shrinks it does not.
       const bool grows = k > 0 && term.factors.size() > 1;
       if (is_width && (grows ? fit.added_coefficient(0) : value) < 0) {
         parameter.value = -value;
         parameter.ci90 = Interval{-value - reach, -value + reach};
       }
-      finding.parameters.push_back(std::move(parameter));
+      of_outputs.push_back(std::move(parameter));
     }
     if (cause.applies_to == effects::AppliesTo::correction)
       if (const auto reach = correction_reach(problem, named.terms, fit); reach) {
@@ -215,8 +184,8 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     finding.outputs.push_back(std::move(one));
   }
   if (of_the_pose)
-    if (const auto width =
-            width_along(problem, cause, named.values.front().parameter, of_play, error_of_play))
+    if (const auto width = width_along(problem, cause, named.values.front().parameter,
+                                       coefficients.row(0).transpose(), error_of_play))
       finding.parameters.push_back(*width);
   if (finding.subject.empty() && finding.outputs.size() == problem.outputs.size() &&
       cause.applies_to != effects::AppliesTo::robot) {
@@ -242,6 +211,11 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
         most > kOneAxis * shares.norm())
       finding.subject = problem.outputs[static_cast<std::size_t>(strongest)].channel.symbol;
   }
+  if (cause.applies_to == effects::AppliesTo::correction && !of_the_pose)
+    if (auto own = instrument_numbers(problem, cause, named, finding.subject, coefficients, errors))
+      of_outputs = std::move(*own);
+  finding.parameters.insert(finding.parameters.end(), std::make_move_iterator(of_outputs.begin()),
+                            std::make_move_iterator(of_outputs.end()));
   if (cause.applies_to == effects::AppliesTo::dataset && cause.scale == ParameterScale::instant)
     for (std::size_t row = 0; row < problem.data().rows; ++row)
       if (problem.data().time_s[row] >= named.values.front().parameter) finding.rows.push_back(row);

@@ -22,6 +22,7 @@ constexpr double kDriftOfNoise = 10;       // as what nothing bounds in physics.
 constexpr double kRangeOfPlay = 10, kRangeOfGear = 10;
 constexpr double kLeastTorque_m = 0.02, kLeastTorque_newton_m = 1;  // of change over the rows
 constexpr double kLeastChange_k = 0.5;
+constexpr double kLeastTurn_rad = 1e-3;  // over the rows; below, a joint stands
 constexpr double kRadPerUrad = 1e-6, kKelvinOfZero = 273.15;
 
 double range_of(const Eigen::VectorXd& values, const std::vector<std::size_t>& rows) {
@@ -109,7 +110,12 @@ class Builder {
   }
 
   void add_gears() {
-    for (Index j = 0; j < angles_rad_.cols(); ++j)
+    for (Index j = 0; j < angles_rad_.cols(); ++j) {
+      if (range_of(angles_rad_.col(j), rows_) < kLeastTurn_rad) {
+        missing("gear_error " + name_of_joint(static_cast<std::size_t>(j)),
+                "the joint did not turn in these rows");
+        continue;
+      }
       for (const int harmonic : {1, 2}) {
         const auto joint = static_cast<std::size_t>(j);
         ArmCause gear{.id = "gear_error",
@@ -125,6 +131,7 @@ class Builder {
         gear.range = kRangeOfGear;
         result_.causes.push_back(std::move(gear));
       }
+    }
   }
 
   void add_drifts() {

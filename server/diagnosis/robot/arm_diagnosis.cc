@@ -85,10 +85,17 @@ void add_hidden(const ArmSearch& search, const std::vector<ArmCause>& causes, bo
     const double least = search.least_shown(c), typical = causes[c].typical;
     if (least <= typical) continue;
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "beside the numbers of the drawing these rows show it from %.2g %s on; %.2g is "
-                  "typical",
-                  least, unit_of(causes[c], masses), typical);
+    const char* unit = unit_of(causes[c], masses);
+    if (least > causes[c].range * typical)
+      std::snprintf(text, sizeof text,
+                    "beside the numbers of the drawing these rows hide it at any size that it may "
+                    "have; %.2g %s is typical",
+                    typical, unit);
+    else
+      std::snprintf(text, sizeof text,
+                    "beside the numbers of the drawing these rows show it from %.2g %s on; %.2g is "
+                    "typical",
+                    least, unit, typical);
     result.push_back({name_of_cause(causes[c]), text});
   }
 }
@@ -134,20 +141,7 @@ class Reporter {
     const Eigen::VectorXd before =
         whole_.y_raw_judge - whole_.raw_judge * search_.coefficients(named.cause);
     const Eigen::VectorXd after = whole_.y_raw_judge - whole_.raw_judge * coefficients_;
-    const auto n = static_cast<Index>(problem_.learn.size()),
-               m = static_cast<Index>(problem_.judge.size());
-    for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
-      const auto first = static_cast<Index>(o);
-      FindingOutput one{.output = problem_.outputs[o].channel.symbol,
-                        .unit = problem_.outputs[o].unit};
-      one.amplitude =
-          std::sqrt(beyond.segment(first * n, n).squaredNorm() / static_cast<double>(n));
-      one.shown = true;  // one number moves all outputs
-      if (m >= 4)
-        one.judge(figures_of(before.segment(first * m, m)),
-                  figures_of(after.segment(first * m, m)));
-      found.outputs.push_back(std::move(one));
-    }
+    found.outputs = outputs_moved(problem_, beyond, before, after);
   }
 
   const Problem& problem_;

@@ -164,20 +164,10 @@ class Geometry {
     const Eigen::VectorXd before =
         whole_.y_raw_judge - whole_.raw_judge * selection_.coefficients(k);
     const Eigen::VectorXd after = whole_.y_raw_judge - whole_.raw_judge * selection_.coefficients();
-    const auto n = static_cast<Index>(problem_.learn.size()),
-               m = static_cast<Index>(problem_.judge.size());
-    for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
-      const auto first = static_cast<Index>(o);
-      FindingOutput one{.output = problem_.outputs[o].channel.symbol,
-                        .unit = problem_.outputs[o].unit};
-      one.amplitude = std::sqrt(raw.segment(first * n, n).squaredNorm() / static_cast<double>(n));
-      one.gain_2lnl = evidence.segment(first * n, n).squaredNorm();
-      one.shown = true;  // one number moves all outputs
-      if (m >= 4)
-        one.judge(figures_of(before.segment(first * m, m)),
-                  figures_of(after.segment(first * m, m)));
-      found.outputs.push_back(std::move(one));
-    }
+    found.outputs = outputs_moved(problem_, raw, before, after);
+    const auto n = static_cast<Index>(problem_.learn.size());
+    for (std::size_t o = 0; o < found.outputs.size(); ++o)
+      found.outputs[o].gain_2lnl = evidence.segment(static_cast<Index>(o) * n, n).squaredNorm();
   }
 
   const Problem& problem_;
@@ -189,12 +179,6 @@ class Geometry {
 constexpr std::string_view kCause = "geometry_parameter ";
 
 }  // namespace
-
-std::vector<std::string> GeometryDiagnosis::held_names() const {
-  std::vector<std::string> names;
-  for (const auto& one : held) names.push_back(one.cause.substr(kCause.size()));
-  return names;
-}
 
 Dataset marked_rows(Dataset data, const Problem& problem) {
   data.set.assign(data.rows, PointSet::calibration);

@@ -25,8 +25,6 @@ struct GeometryDiagnosis {
   std::vector<NotTestable> held;            // "geometry_parameter link2.d_mm"
   identification::Identification nominal;   // the drawing, placed
   identification::Identification extended;  // the same with the named parameters identified
-
-  std::vector<std::string> held_names() const;  // "link2.d_mm"
 };
 
 // The dataset with the problem's learning rows as calibration and its judging rows as validation;

@@ -11,6 +11,7 @@
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/robot/arm_diagnosis.h"
 #include "server/diagnosis/robot/geometry.h"
+#include "server/identification/identifiability.h"
 #include "server/identification/pose_rows.h"
 #include "server/kinematics/drawing.h"
 
@@ -143,8 +144,11 @@ Result<RobotDiagnosis> diagnose_rows(const Dataset& data,
                             std::make_move_iterator(arm.not_testable.begin()),
                             std::make_move_iterator(arm.not_testable.end()));
   // Once the drawing has crooked numbers, data could tell these apart, but so faintly that the next
-  // identification would move them by decimetres for nothing.
-  const std::vector<std::string> held = geometry.held_names();
+  // identification would move them by decimetres for nothing. What only these rows hide is a note:
+  // the next rows may show it.
+  DRIFTWISE_TRY(const auto rows, identification::mechanism_data(data, *with_errors));
+  const auto held =
+      identification::hidden_in_every_posture(*with_errors, geometry.nominal.values(), rows.inputs);
   std::erase_if(found.not_testable,  // it was asked here
                 [](const NotTestable& one) { return one.cause == "geometry_parameter"; });
   found.not_testable.insert(found.not_testable.begin(),

@@ -18,8 +18,8 @@ namespace driftwise::diagnosis {
 
 struct RobotDiagnosis {
   Diagnosis diagnosis;  // "before" is the drawing, placed by a fit; "after" all findings
-  // The drawing with the named numbers as identified; what the drawing's data cannot tell apart is
-  // held in it.
+  // The drawing with the named numbers as identified. It holds what the drawing held, and what the
+  // drawing hides in every posture.
   KinematicsDescription robot;
 };
 

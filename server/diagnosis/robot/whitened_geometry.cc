@@ -2,9 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 
 #include "server/calibration/design/predict.h"
+#include "server/diagnosis/answer/u90.h"
 #include "server/diagnosis/noise/ground.h"
 #include "server/identification/pose_rows.h"
 #include "server/kinematics/angles.h"
@@ -97,7 +100,7 @@ WhitenedGeometry plain_geometry(const Dataset& marked, const Problem& problem,
   const auto judge = stacked(marked, problem, identified, problem.judge, turns);
   const Eigen::VectorXd back = deviations(identified, learn.columns.cols());
   const Eigen::VectorXd y = learn.left + learn.columns * back;
-  return {learn.columns, y, learn.columns, judge.columns, y, judge.left + judge.columns * back};
+  return {learn.columns, y, learn.columns, judge.columns, judge.left + judge.columns * back};
 }
 
 std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const Problem& problem,
@@ -130,6 +133,24 @@ std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const P
   for (Index j = 0; j < result.columns.cols(); ++j) decorrelate(lower, n, result.columns.col(j));
   result.y += result.columns * back;
   return result;
+}
+
+std::vector<FindingOutput> outputs_moved(const Problem& problem, const Eigen::VectorXd& beyond,
+                                         const Eigen::VectorXd& before,
+                                         const Eigen::VectorXd& after) {
+  const auto n = static_cast<Index>(problem.learn.size()),
+             m = static_cast<Index>(problem.judge.size());
+  std::vector<FindingOutput> moved;
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+    const auto first = static_cast<Index>(o);
+    FindingOutput one{.output = problem.outputs[o].channel.symbol, .unit = problem.outputs[o].unit};
+    one.amplitude = std::sqrt(beyond.segment(first * n, n).squaredNorm() / static_cast<double>(n));
+    one.shown = true;  // one number moves all outputs
+    if (m >= 4)
+      one.judge(figures_of(before.segment(first * m, m)), figures_of(after.segment(first * m, m)));
+    moved.push_back(std::move(one));
+  }
+  return moved;
 }
 
 }  // namespace driftwise::diagnosis

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/diagnosis/answer/diagnosis.h"
 #include "server/diagnosis/rows/problem.h"
 #include "server/identification/identify.h"
 
@@ -25,7 +26,7 @@ struct WhitenedGeometry {
   Eigen::MatrixXd columns;
   Eigen::VectorXd y;               // white: measured minus the nominal robot
   Eigen::MatrixXd raw, raw_judge;  // the same columns in summary units; on the judging rows
-  Eigen::VectorXd y_raw, y_raw_judge;
+  Eigen::VectorXd y_raw_judge;
 };
 
 // The same without whitening: columns and y are the raw ones.
@@ -40,5 +41,12 @@ std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const P
                                                   const identification::Identification& identified,
                                                   const std::vector<NoiseShape>& shapes,
                                                   const std::function<bool()>& tick);
+
+// What one number of a robot moves: every output, each by the root of its mean square over the rows
+// that learn. beyond: learning rows, what nothing else explains. before, after: what is left on the
+// judging rows without it and with it; no figures of fewer than four rows.
+std::vector<FindingOutput> outputs_moved(const Problem& problem, const Eigen::VectorXd& beyond,
+                                         const Eigen::VectorXd& before,
+                                         const Eigen::VectorXd& after);
 
 }  // namespace driftwise::diagnosis

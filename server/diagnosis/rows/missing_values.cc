@@ -68,11 +68,10 @@ std::string rows_text(std::size_t count, std::size_t rows) {
 
 // Rows of untimed data that have the value of every channel of an earlier row: no second
 // measurement. Coarse readings may well agree in all, so that one channel must tell the others
-// apart. Rows with a time each have their own.
+// apart.
 std::vector<std::uint8_t> there_before(const Dataset& data) {
   constexpr double kTellsApart = 0.9;  // of the different rows
   std::vector<std::uint8_t> repeats(data.rows, 0);
-  if (!data.time_s.empty()) return repeats;
   std::vector<std::size_t> order(data.rows);
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto compared = [&data](std::size_t a, std::size_t b) {
@@ -98,6 +97,33 @@ std::vector<std::uint8_t> there_before(const Dataset& data) {
                kTellsApart * static_cast<double>(different);
       });
   if (!told_apart) std::ranges::fill(repeats, 0);
+  return repeats;
+}
+
+// Rows of timed data that have the value of every channel of the row before: a logger that polls
+// faster than the instruments read. Two channels must tell the different rows apart, for a coarse
+// display that stands still agrees with itself by chance.
+std::vector<std::uint8_t> polled_again(const Dataset& data) {
+  constexpr double kTellsApart = 0.9;  // of the different rows
+  std::vector<std::uint8_t> repeats(data.rows, 0);
+  std::size_t different = 0;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const bool again =
+        row > 0 && std::ranges::all_of(data.columns, [row](const DatasetColumn& column) {
+          return std::strong_order(column.values[row - 1], column.values[row]) == 0;
+        });
+    repeats[row] = again ? 1 : 0;
+    different += again ? 0 : 1;
+  }
+  const auto apart = std::ranges::count_if(data.columns, [&](const DatasetColumn& column) {
+    std::vector<double> values;
+    for (const double value : column.values)
+      if (std::isfinite(value)) values.push_back(value);
+    std::ranges::sort(values);
+    return static_cast<double>(std::ranges::unique(values).begin() - values.begin()) >=
+           kTellsApart * static_cast<double>(different);
+  });
+  if (apart < 2) std::ranges::fill(repeats, 0);
   return repeats;
 }
 
@@ -151,13 +177,16 @@ void leave_out_lacking(const std::vector<std::string>& conditions,
 
 WithoutGaps without_gaps(Dataset data, const std::vector<std::string>& conditions) {
   WithoutGaps result{.data = std::move(data), .unread = {}, .sentences = {}, .left_out = 0};
-  const auto repeats = there_before(result.data);
+  const bool timed = !result.data.time_s.empty();
+  const auto repeats = timed ? polled_again(result.data) : there_before(result.data);
   if (const auto count = std::ranges::count(repeats, 1); count > 0) {
     auto& excluded = result.data.excluded;
     if (excluded.empty()) excluded.assign(result.data.rows, 0);
     for (std::size_t row = 0; row < repeats.size(); ++row) excluded[row] |= repeats[row];
     result.sentences.push_back(rows_text(static_cast<std::size_t>(count), result.data.rows) +
-                               " repeat an earlier row in every value and were left out");
+                               (timed ? " repeat the row before in every value: one reading, "
+                                        "polled again; they were left out"
+                                      : " repeat an earlier row in every value and were left out"));
   }
   leave_out_lacking(conditions, {}, result);
   return result;

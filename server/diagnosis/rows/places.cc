@@ -33,11 +33,4 @@ std::vector<double> by_places(const std::vector<double>& values) {
   return result;
 }
 
-std::size_t place_count(const std::vector<double>& values) {
-  std::vector<double> places = by_places(values);
-  std::erase_if(places, [](double value) { return !std::isfinite(value); });
-  std::ranges::sort(places);
-  return static_cast<std::size_t>(std::ranges::unique(places).begin() - places.begin());
-}
-
 }  // namespace driftwise::diagnosis

@@ -12,7 +12,4 @@ namespace driftwise::diagnosis {
 // than 2e-3 of it), each group at its mean; the others, and missing ones, as they are.
 std::vector<double> by_places(const std::vector<double>& values);
 
-// Different places among the finite values: groups, and each value that stands alone.
-std::size_t place_count(const std::vector<double>& values);
-
 }  // namespace driftwise::diagnosis

@@ -179,7 +179,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem, double alpha) {
         nearest = std::min({nearest, off, std::abs(about[i])});
         ++count;
         of_this[i] = 1;
-        found.push_back({rows[i], output.channel.symbol, off / sd[i]});
+        found.push_back({rows[i], output.channel.symbol});
         wrong.insert(rows[i]);
       }
     }
@@ -220,7 +220,6 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
     const Eigen::ArrayXd& gross = tails[at_output].gross(best.freedom);
     const std::vector<double> values(left.data(), left.data() + left.size());
     const auto beside = as_beside(problem, problem.learn, values);
-    const double sd = robust_sd(values);
     std::vector<Eigen::Index> off;
     for (Eigen::Index i = 0; i < left.size(); ++i)
       if (gross[i] >= kSurelyGross) off.push_back(i);
@@ -233,8 +232,7 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
       const bool near_another = (k > 0 && i - wrong[k - 1] <= kNear) ||
                                 (k + 1 < wrong.size() && wrong[k + 1] - i <= kNear);
       if (!near_another && std::abs(left[i] - beside[at]) >= kOwn * std::abs(left[i]))
-        rows.push_back({problem.learn[at], problem.outputs[at_output].channel.symbol,
-                        std::abs(left[i]) / sd, p});
+        rows.push_back({problem.learn[at], problem.outputs[at_output].channel.symbol, p});
     }
     // Errors that neighbours in time or place share are no row's; where most do, none is.
     if (2 * rows.size() > wrong.size()) found.insert(found.end(), rows.begin(), rows.end());

@@ -76,7 +76,6 @@ double two_ln_likelihood(const Problem& problem, const FreeLevel& level = {});
 struct OutlierRow {
   std::size_t row = 0;  // of the dataset
   std::string output;
-  double sigmas = 0;
   double p = 1;  // of all wrong rows of the look together
 };
 

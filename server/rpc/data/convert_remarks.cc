@@ -6,20 +6,12 @@
 #include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/row_ranges.h"
 
 namespace driftwise::rpc {
 namespace {
 
 constexpr std::int64_t kMostRows = 1'000'000;
-
-void add_ranges(const std::vector<std::int64_t>& rows,
-                google::protobuf::RepeatedPtrField<v1::RowRange>& out) {
-  for (const std::int64_t row : rows) {
-    const std::int64_t shown = shown_row(row);
-    if (out.empty() || out.rbegin()->last_row() + 1 != shown) out.Add()->set_first_row(shown);
-    out.rbegin()->set_last_row(shown);
-  }
-}
 
 template <class Request>
 Result<ExclusionRecord> exclusion_of(const Request& request, bool excluded) {
@@ -69,15 +61,15 @@ Result<ExclusionRecord> exclusion_from(const v1::RestoreRowsRequest& request) {
 v1::ExclusionState exclusions_from(const application::ExclusionState& state) {
   v1::ExclusionState out;
   out.set_run_id(state.run.value);
-  add_ranges(state.rows, *out.mutable_excluded_rows());
-  add_ranges(state.suspect_rows, *out.mutable_suspect_rows());
+  add_ranges(state.rows, [&] { return out.add_excluded_rows(); });
+  add_ranges(state.suspect_rows, [&] { return out.add_suspect_rows(); });
   out.set_excluded_row_count(static_cast<std::int64_t>(state.rows.size()));
   out.set_exclusions_hash(state.hash);
   for (const auto& step : state.history) {
     auto& added = *out.add_history();
     added.set_id(step.id);
     added.set_excluded(step.excluded);
-    add_ranges(step.rows, *added.mutable_rows());
+    add_ranges(step.rows, [&] { return added.add_rows(); });
     added.set_reason(utf8_from(step.reason));
     *added.mutable_exclude_time() = timestamp_from(step.at.utc);
     added.set_excluded_by(utf8_from(step.who));

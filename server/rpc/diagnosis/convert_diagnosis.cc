@@ -8,6 +8,7 @@
 #include "server/formats/diagnosis/robot_names.h"
 #include "server/rpc/shared/convert_accuracy.h"
 #include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/row_ranges.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -136,19 +137,6 @@ void add_numbers(const std::vector<double>& values, List& out) {
   out.Add(values.begin(), values.end());
 }
 
-// Rows in ranges without gaps.
-void add_ranges(const RowsOfRun& rows, v1::Extension& out) {
-  for (std::size_t i = 0; i < rows.rows.size();) {
-    std::size_t end = i + 1;
-    while (end < rows.rows.size() && rows.rows[end] == rows.rows[end - 1] + 1) ++end;
-    auto& range = *out.add_excluded();
-    range.set_run_id(rows.run.value);
-    range.set_first_row(shown_row(rows.rows[i]));
-    range.set_last_row(shown_row(rows.rows[end - 1]));
-    i = end;
-  }
-}
-
 }  // namespace
 
 v1::Diagnosis diagnosis_from(const application::DiagnosisView& view, DiagnosisDetail detail) {
@@ -211,7 +199,7 @@ v1::Extension extension_from(const ExtensionRecord& extension) {
   if (extension.model) out.set_model_id(extension.model->value);
   out.set_promoted(extension.promoted);
   if (extension.correction) out.set_correction_id(extension.correction->value);
-  for (const auto& rows : extension.excluded) add_ranges(rows, out);
+  for (const auto& rows : extension.excluded) add_excluded_ranges(rows, out);
   *out.mutable_accept_time() = timestamp_from(extension.accepted);
   out.set_accepted_by(utf8_from(extension.accepted_by));
   if (!extension.stands()) *out.mutable_undo_time() = timestamp_from(extension.undone);

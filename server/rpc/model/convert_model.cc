@@ -64,8 +64,8 @@ v1::ModelTerm term_from(const calibration::TermReport& report, double factor) {
   if (report.in && report.standard_error_serial > 0)
     out.set_standard_error_serial(report.standard_error_serial);
   if (!report.in || report.term.is_constant())
-    return out;  // what the constant lacks, and what is left out
-  out.set_vif(report.vif);
+    return out;                                 // what the constant lacks, and what is left out
+  if (report.vif > 0) out.set_vif(report.vif);  // none of a term beside a geometry
   out.set_contribution_rms(report.contribution_rms * factor);
   out.set_contribution_max(report.contribution_max * factor);
   return out;
@@ -173,15 +173,7 @@ bool has_row(const v1::CompareModelsResponse& response, const std::string& chann
   return false;
 }
 
-}  // namespace
-
-Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> serving,
-                             ModelDetail detail, const ModelRecord* before) {
-  const auto model = formats::read_model_json(record.json);
-  if (!model && record.damage.empty())
-    return fail(ErrorCode::data_loss, reasons::kModelDamaged,
-                "model " + std::to_string(record.id.value) +
-                    " in the database cannot be read: " + model.error().message);
+v1::Model record_from(const ModelRecord& record, std::optional<ModelId> serving) {
   v1::Model out;
   out.set_id(record.id.value);
   out.set_name(record.name);
@@ -192,29 +184,54 @@ Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> s
   out.set_note(record.note);
   out.set_serving(serving == record.id);
   out.set_damage(utf8_from(record.damage));
-  // Nothing of a damaged model is shown as its content.
-  if (!record.damage.empty()) return out;
-  out.set_formula(model->formula);
-  out.set_select(model->select);
-  out.set_p_enter(model->p_enter);
-  out.set_p_remove(model->p_remove);
-  for (const auto& output : model->outputs)
-    *out.add_outputs() = output_from(output, detail, *model);
-  for (const auto& range : model->domain) {
+  return out;
+}
+
+void add_content(const calibration::Model& model, ModelDetail detail, v1::Model& out) {
+  out.set_formula(model.formula);
+  out.set_select(model.select);
+  out.set_p_enter(model.p_enter);
+  out.set_p_remove(model.p_remove);
+  for (const auto& output : model.outputs) *out.add_outputs() = output_from(output, detail, model);
+  for (const auto& range : model.domain) {
     auto& added = *out.add_domain();
     added.set_channel(range.channel.name());
     added.set_min(range.min);
     added.set_max(range.max);
   }
-  if (model->geometry) *out.mutable_kinematics() = kinematics_from(*model, detail);
-  *out.mutable_lineage() = lineage_from(model->lineage);
-  for (const auto& warning : model->warnings) out.add_warnings(warning);
-  *out.mutable_fit_duration() = duration_from_s(model->fit_us * 1e-6);
+  if (model.geometry) *out.mutable_kinematics() = kinematics_from(model, detail);
+  *out.mutable_lineage() = lineage_from(model.lineage);
+  for (const auto& warning : model.warnings) out.add_warnings(warning);
+  *out.mutable_fit_duration() = duration_from_s(model.fit_us * 1e-6);
+}
+
+}  // namespace
+
+// Nothing of a damaged model is shown as its content.
+Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> serving,
+                             ModelDetail detail, const ModelRecord* before) {
+  if (!record.damage.empty()) return record_from(record, serving);
+  const auto model = formats::read_model_json(record.json);
+  if (!model)
+    return fail(ErrorCode::data_loss, reasons::kModelDamaged,
+                "model " + std::to_string(record.id.value) +
+                    " in the database cannot be read: " + model.error().message);
+  v1::Model out = record_from(record, serving);
+  add_content(*model, detail, out);
   std::vector<JudgedAccuracy> heading = calibration::heading_of(*model);
   if (before != nullptr && before->id != record.id)
     if (const auto earlier = formats::read_model_json(before->json))
       heading = calibration::heading_of(*model, *earlier);
   for (const auto& one : heading) *out.add_accuracy() = judged_from(one);
+  return out;
+}
+
+v1::Model model_from(const application::ListedModel& listed, std::optional<ModelId> serving) {
+  v1::Model out = record_from(listed.record, serving);
+  if (!listed.summary) return out;
+  add_content(*listed.summary, ModelDetail::summary, out);
+  for (const auto& one : calibration::heading_of(*listed.summary))
+    *out.add_accuracy() = judged_from(one);
   return out;
 }
 

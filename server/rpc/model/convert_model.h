@@ -7,6 +7,7 @@
 #include <span>
 
 #include "driftwise/v1/model_service.pb.h"
+#include "server/application/models/model_list.h"
 #include "server/calibration/model/model.h"
 #include "server/core/records/records.h"
 #include "server/core/result.h"
@@ -20,6 +21,9 @@ enum class ModelDetail { whole, summary };  // summary: without terms and histor
 // be read.
 Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> serving,
                              ModelDetail detail, const ModelRecord* before = nullptr);
+
+// A line of a list, in summary; of a damaged model the record alone.
+v1::Model model_from(const application::ListedModel& listed, std::optional<ModelId> serving);
 
 v1::Promotion promotion_from(const PromotionRecord& promotion);
 

@@ -71,11 +71,11 @@ v1::CheckFormulaResponse formula_check_from(const application::FormulaCheck& che
   return out;
 }
 
-v1::ListResidualsResponse residuals_from(const application::ModelResiduals& residuals,
-                                         std::size_t most_numbers) {
+v1::ListResidualsResponse residuals_from(const application::ModelResiduals& residuals) {
+  constexpr std::size_t kMostNumbers = 400'000;
   const Dataset& data = residuals.data;
   const std::size_t columns = data.columns.size() + 2 * residuals.outputs.size() + 8;
-  const std::size_t step = data.rows * columns / most_numbers + 1;
+  const std::size_t step = data.rows * columns / kMostNumbers + 1;
   v1::ListResidualsResponse out;
   take_every(data.time_s, step, *out.mutable_time_s());
   take_every(data.line, step, *out.mutable_line());

@@ -9,8 +9,7 @@ namespace driftwise::rpc {
 // With every effect that a formula may hold, for completion.
 v1::CheckFormulaResponse formula_check_from(const application::FormulaCheck& check);
 
-// Every row_step-th row, so that an answer holds at most most_numbers of them.
-v1::ListResidualsResponse residuals_from(const application::ModelResiduals& residuals,
-                                         std::size_t most_numbers = 400'000);
+// Every row_step-th row, so that an answer holds 400 000 numbers at most.
+v1::ListResidualsResponse residuals_from(const application::ModelResiduals& residuals);
 
 }  // namespace driftwise::rpc

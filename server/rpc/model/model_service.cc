@@ -61,14 +61,15 @@ class ModelService final : public v1::ModelService::CallbackService {
   Reactor* ListModels(Context* context, const v1::ListModelsRequest*,
                       v1::ListModelsResponse* response) override {
     return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto records, co_await models_.list());
+      DRIFTWISE_CO_TRY(const auto models, co_await models_.list());
       const auto serving = overview_.status().serving;
       DRIFTWISE_CO_TRY(const auto corrections, co_await records_.extensions().corrections());
-      for (const auto& record : records) {
+      for (const auto& listed : models) {
         auto& model = *response->add_models();
-        if (auto good = put(listed(record, serving), model); !good) co_return good;
+        model = model_from(listed, serving);
+        const auto& named = listed.record.corrections;
         for (const auto& correction : corrections)
-          if (std::ranges::find(record.corrections, correction.id) != record.corrections.end())
+          if (std::ranges::find(named, correction.id) != named.end())
             *model.add_corrections() = mark_from(correction);
       }
       co_return Result<void>{};
@@ -255,16 +256,6 @@ class ModelService final : public v1::ModelService::CallbackService {
     auto choosing = studies_.study_sensors(std::move(asked), std::move(study));
     DRIFTWISE_CO_TRY(const auto choice, co_await std::move(choosing));
     co_return sensor_choice_from(choice);
-  }
-
-  // One model that this version cannot read is a damaged line, and the others are listed all the
-  // same.
-  static Result<v1::Model> listed(const ModelRecord& record, std::optional<ModelId> serving) {
-    auto found = model_from(record, serving, ModelDetail::summary);
-    if (found) return found;
-    ModelRecord unread = record;
-    unread.damage = found.error().message;
-    return model_from(unread, serving, ModelDetail::summary);
   }
 
   Result<v1::Model> whole(const Result<ModelRecord>& record,

@@ -71,7 +71,7 @@ TEST(DiagnosisNames, AnInstrumentWhoseScaleDriftsIsNotTheRobotsExpansion) {
   std::mt19937_64 random(7);
   const Axis axis = moved(random);
   const auto found = diagnosed_axis(axis, random, [&](std::size_t i) {
-    return 0.8 * axis.x_mm[i] * axis.time_s[i] / 3600;  // 0.8 ppm/h
+    return -0.8 * axis.x_mm[i] * axis.time_s[i] / 3600;  // x reads 0.8 ppm/h more
   });
   ASSERT_THAT(names_in(found), testing::ElementsAre("instrument_drift"));
   const auto& drift = found.findings.front();

@@ -5,12 +5,21 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "server/diagnosis/rows/predicted_pose.h"
 #include "tests/unit/diagnosis/diagnosed.h"
 
 namespace driftwise::diagnosis {
 namespace {
+
+// Different places among the finite values: groups, and each value that stands alone.
+std::size_t place_count(const std::vector<double>& values) {
+  std::set<double> places;
+  for (const double place : by_places(values))
+    if (std::isfinite(place)) places.insert(place);
+  return places.size();
+}
 
 TEST(Places, AreTightGroupsAtTheirMean) {
   std::mt19937_64 random(3);

@@ -105,7 +105,7 @@ TEST_F(ImprovementTest, MeasuresFindsExtendsAndMeasuresAgainUntilNothingIsLeft) 
   // Minutes in a room whose temperature no term follows: that question is a person's.
   EXPECT_FALSE(d.cell.status().serving);
   EXPECT_THAT(first.what, HasSubstr("was not promoted"));
-  EXPECT_THAT(first.what, HasSubstr("on the robot"));
+  EXPECT_THAT(first.what, HasSubstr("a thermometer of the robot"));
   EXPECT_EQ(formats::read_model_json(d.cell.await(d.cell->models.get(*first.model))->json)->formula,
             "q ~ x + x^2");
   EXPECT_TRUE(record.turns[1].diagnosis);

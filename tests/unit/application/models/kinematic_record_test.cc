@@ -138,6 +138,14 @@ TEST(KinematicRecord, OfADeltaTakesTemperaturesInBesideTheGeometry) {
   ASSERT_TRUE(made) << made.error().message;
   auto model = formats::read_model_json(made->model.json);
   ASSERT_TRUE(model) << model.error().message;
+  for (const auto& output : model->outputs) {  // rows are independent; t05 is uniform over 3 K
+    EXPECT_NEAR(output.accuracy.lag1_autocorrelation, 0, 0.25) << output.channel.name();
+    const auto& warmth = output.report.back();
+    EXPECT_NEAR(warmth.contribution_rms, std::abs(warmth.coefficient) * 3 / std::sqrt(12),
+                0.1 * std::abs(warmth.coefficient));
+    EXPECT_NEAR(warmth.contribution_max, std::abs(warmth.coefficient) * 1.5,
+                0.25 * std::abs(warmth.coefficient));
+  }
   auto builder = compensation::SnapshotBuilder::create(*model, ModelId{1}, CellDescription{});
   ASSERT_TRUE(builder) << builder.error().message;
   builder->keep_model_datum();
@@ -257,6 +265,8 @@ TEST(KinematicRecord, OfAnotherRobotIsRefusedWithWhatDiffers) {
   other = drawn_ur10();
   other.frame.x_mm = 3000;  // where it stands is no question of which robot it is
   other.tool_z_mm = 50;
+  other.links[0].theta_deg += 3;  // nor is where its joints read zero
+  other.links[2].theta_deg += 1.5;
   EXPECT_EQ(refusal(other), "stored");
   EXPECT_EQ(imported(drawn_ur10(), CellDescription{}).error().reason, "NO_KINEMATICS");
 }

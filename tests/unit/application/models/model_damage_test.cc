@@ -64,8 +64,8 @@ TEST_F(ModelDamage, AChangedCoefficientIsRefusedAndNoOtherModelTakesItsPlace) {
   EXPECT_THAT(alarms("model.damaged"), SizeIs(1));
   const auto models = *cell->await((*cell)->models.list());
   ASSERT_THAT(models, SizeIs(2));
-  EXPECT_EQ(models[0].damage, "");
-  EXPECT_THAT(models[1].damage, HasSubstr("hash"));
+  EXPECT_EQ(models[0].record.damage, "");
+  EXPECT_THAT(models[1].record.damage, HasSubstr("hash"));
   EXPECT_EQ(cell->await((*cell)->models.get(second.id)).error().reason, "MODEL_DAMAGED");
   EXPECT_EQ(cell->await((*cell)->promotions.promote(cell->ada, second.id, true)).error().reason,
             "MODEL_DAMAGED");

@@ -334,11 +334,31 @@ TEST_F(ServingTest, HomingWaitsForTheStabiliserAndSaysSo) {
   EXPECT_TRUE(cell.status().attention.empty());
 }
 
+TEST_F(ServingTest, HomingMovesNothingWhileADeviceOfTheDatumDoesNotAnswer) {
+  for (bool SmallWorld::*const is_away : {&SmallWorld::scanner_away, &SmallWorld::laser_away}) {
+    world.*is_away = true;
+    const auto homed = cell.await(cell->manual.home(cell.ada, cell.lease()));
+    ASSERT_FALSE(homed);
+    EXPECT_THAT(homed.error().message, testing::HasSubstr("nothing has moved"));
+    EXPECT_EQ(world.homes + world.moves, 0);
+    EXPECT_THAT(cell.status().attention,
+                testing::Not(testing::Contains(testing::HasSubstr("no datum has been opened"))));
+    world.*is_away = false;
+    cell.pass(120);
+  }
+}
+
 TEST_F(ServingTest, HomingThatEndsWithoutADatumIsSaid) {
+  std::optional<Result<void>> done;
+  cell.begin(cell->manual.home(cell.ada, cell.lease()), done);
+  cell.until([&] { return world.homes == 1; });
   world.scanner_away = true;
-  const auto homed = cell.await(cell->manual.home(cell.ada, cell.lease()));
+  cell.until([&] { return done.has_value(); });
+  const auto& homed = *done;
   ASSERT_FALSE(homed);
-  EXPECT_EQ(world.homes, 1);
+  EXPECT_THAT(
+      homed.error().message,
+      testing::StartsWith("the axes have moved to their reference, and no datum was opened"));
   const auto attention = cell.status().attention;
   EXPECT_TRUE(std::ranges::any_of(attention, [](const std::string& sentence) {
     return sentence.starts_with("the axes were homed and no datum has been opened since");

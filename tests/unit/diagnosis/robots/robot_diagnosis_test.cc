@@ -109,6 +109,34 @@ TEST(RobotDiagnosis, LooksForOtherCausesBeyondTheDrawing) {
   EXPECT_EQ(names(found->diagnosis), (Names{"geometry_parameter link2.a", "thermal_offset t04"}));
 }
 
+// A campaign whose elbow stood still: what it hides, the next one is asked again.
+TEST(RobotDiagnosis, HoldsForGoodOnlyWhatEveryPostureHides) {
+  const auto moving = diagnose_robot(arm_campaign({.upper_arm_mm = 0.4}, 13), arm(), {});
+  auto still = arm_campaign({}, 13);
+  for (std::size_t row = 0; row < still.rows; ++row) {
+    const double q1 = still.columns[0].values[row], q2 = still.columns[1].values[row];
+    const double out = 600.4 * std::cos(q2) + 500 * std::cos(q2 - 1);
+    still.columns[2].values[row] = -1;
+    still.columns[4].values[row] = out * std::cos(q1);
+    still.columns[5].values[row] = out * std::sin(q1);
+    still.columns[6].values[row] = 120 + 600.4 * std::sin(q2) + 500 * std::sin(q2 - 1);
+  }
+  std::mt19937_64 random(14);
+  std::normal_distribution<double> noise_mm(0, 0.03);
+  for (std::size_t column = 4; column < 7; ++column)
+    for (double& value : still.columns[column].values) value += noise_mm(random);
+  const auto stood = diagnose_robot(still, arm(), {});
+  ASSERT_TRUE(moving) << moving.error().message;
+  ASSERT_TRUE(stood) << stood.error().message;
+  EXPECT_EQ(stood->robot.hold, moving->robot.hold);
+  EXPECT_FALSE(moving->robot.hold.empty());
+  bool told = false;
+  for (const auto& one : stood->diagnosis.not_testable)
+    told = told ||
+           (one.cause == "gear_error joint3" && one.why == "the joint did not turn in these rows");
+  EXPECT_TRUE(told);
+}
+
 std::string contents(const std::string& path) {
   std::ifstream file(std::string(DRIFTWISE_SOURCE_DIR) + "/tests/data/" + path);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};

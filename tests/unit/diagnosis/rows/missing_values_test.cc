@@ -99,6 +99,36 @@ TEST(RowsThatAreThereTwice, AreMeasurementsWhereReadingsAreCoarse) {
   EXPECT_TRUE(without_gaps(coarse, {"t01", "force"}).data.excluded.empty());
 }
 
+// A logger that asks five times while the instruments read once: four rows in five say nothing new,
+// whatever their times.
+TEST(RowsThatAreThereTwice, CountOnceWhereALoggerAsksFasterThanTheInstrumentsRead) {
+  const Dataset once = loaded_and_warm();
+  Dataset asked = once;
+  asked.rows = 5 * kGapRows;
+  asked.time_s.clear();
+  for (auto& column : asked.columns) column.values.clear();
+  for (std::size_t row = 0; row < asked.rows; ++row) {
+    asked.time_s.push_back(once.time_s[row / 5] + static_cast<double>(row % 5));
+    for (std::size_t c = 0; c < once.columns.size(); ++c)
+      asked.columns[c].values.push_back(once.columns[c].values[row / 5]);
+  }
+  const auto whole = without_gaps(asked, {"t01", "force"});
+  ASSERT_EQ(whole.data.excluded.size(), asked.rows);
+  for (std::size_t row = 0; row < asked.rows; ++row)
+    EXPECT_EQ(whole.data.is_excluded(row), row % 5 != 0) << row;
+  EXPECT_THAT(whole.sentences, testing::ElementsAre(testing::HasSubstr(
+                                   "480 of 600 rows repeat the row before in every value")));
+  EXPECT_TRUE(without_gaps(once, {"t01", "force"}).data.excluded.empty());
+}
+
+// A machine at rest before a display of a micrometre: the same number again is a measurement.
+TEST(RowsThatAreThereTwice, AreMeasurementsOfADisplayThatStandsStill) {
+  Dataset still = loaded_and_warm();
+  for (auto& column : still.columns)
+    for (double& value : column.values) value = std::round(value);
+  EXPECT_TRUE(without_gaps(still, {"t01", "force"}).data.excluded.empty());
+}
+
 TEST(MissingValues, HideNoCause) {
   Dataset data = loaded_and_warm();
   for (std::size_t row = 0; row < kGapRows; ++row) {
