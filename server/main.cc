@@ -41,6 +41,7 @@
 #include "server/application/status/overview.h"
 #include "server/application/upkeep/cell_clock.h"
 #include "server/clean_log.h"
+#include "server/controller_claim.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/descriptor_limit.h"
@@ -49,7 +50,6 @@
 #include "server/heap_upkeep.h"
 #include "server/kept_stop_file.h"
 #include "server/line/target_line_server.h"
-#include "server/locks/claims.h"
 #include "server/notice_file.h"
 #include "server/notify/outside_notifier.h"
 #include "server/rpc/server/rpc_server.h"
@@ -92,6 +92,7 @@ Result<application::Devices> make_devices(const CellDescription& cell, const std
         error.message.insert(0, formats::device_place(cell, path, i, error.message));
       return tl::unexpected(std::move(error));
     }
+    DRIFTWISE_RETURN_IF_ERROR(claim_controller(cell.devices[i], context.claims.get()));
     devices.push_back(std::move(*made));
   }
   return devices;

@@ -17,6 +17,7 @@ const DeviceKind inclinometer{
       DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
       return std::make_unique<driftwise::inclinometer::DplInclinometer>(
           device, options, address, context.executor, context.clock, context.shared.get());
-    }};
+    },
+    .shares_line = true};
 
 }  // namespace driftwise::device_kind

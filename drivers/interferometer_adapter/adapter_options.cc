@@ -1,9 +1,20 @@
 #include "drivers/interferometer_adapter/adapter_options.h"
 
 #include "drivers/transport/options.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::adapter {
+namespace {
+
+tl::unexpected<Error> wrong_channel(const DeviceDescription& device, const char* option,
+                                    const std::string& found, const char* example) {
+  return tl::unexpected(Error{ErrorCode::invalid_argument, reasons::kBadChannel,
+                              "device '" + device.id + "': option " + option + ": found '" + found +
+                                  "', expected a name such as " + example + ", or \"\" for none"});
+}
+
+}  // namespace
 
 Result<Options> read_options(const DeviceDescription& device) {
   transport::OptionReader reader(device);
@@ -18,9 +29,15 @@ Result<Options> read_options(const DeviceDescription& device) {
   out.air_channel = reader.text("air_channel", out.air_channel);
   out.level_channel = reader.text("level_channel", out.level_channel);
   DRIFTWISE_RETURN_IF_ERROR(reader.finish());
-  for (const auto& name : {out.air_channel, out.level_channel}) {
-    if (name.empty()) continue;
-    DRIFTWISE_RETURN_IF_ERROR(parse_channel(name));
+  if (!out.air_channel.empty()) {
+    DRIFTWISE_TRY(const auto air, parse_channel(out.air_channel));
+    if (air.unit != "degC")
+      return wrong_channel(device, "air_channel", out.air_channel, "air_x_degC");
+  }
+  if (!out.level_channel.empty()) {
+    DRIFTWISE_TRY(const auto level, parse_channel(out.level_channel));
+    if (!is_light_level(level.name()))
+      return wrong_channel(device, "level_channel", out.level_channel, "level_x_pct");
   }
   return out;
 }

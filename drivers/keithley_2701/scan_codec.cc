@@ -7,6 +7,7 @@
 
 #include "server/core/data/reading.h"
 #include "server/core/reasons.h"
+#include "server/core/text/trimmed.h"
 
 namespace driftwise::keithley {
 namespace {
@@ -19,12 +20,7 @@ tl::unexpected<Error> bad_reply(std::string message, Reason reason = reasons::kB
   return fail(ErrorCode::data_loss, reason, std::move(message));
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
+std::string_view trimmed(std::string_view text) { return driftwise::trimmed(text, " \t\r\n"); }
 
 std::optional<int> read_channel(std::string_view text) {
   text = trimmed(text);

@@ -211,7 +211,8 @@ void read_settings(SettingsReader& reader, DeviceDescription& device) {
 
 std::vector<Channel> channels_of(const DeviceDescription& device) {
   auto out = channels_of_settings(device);
-  std::ranges::copy(voltage_channels(device.id, device.voltages), std::back_inserter(out));
+  for (auto& channel : voltage_channels(device.id, device.voltages))
+    if (std::ranges::find(out, channel) == out.end()) out.push_back(std::move(channel));
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/core/reasons.h"
+#include "server/core/text/trimmed.h"
 #include "server/core/try.h"
 
 namespace driftwise::gcs {
@@ -14,12 +15,7 @@ tl::unexpected<Error> bad_reply(std::string message) {
   return fail(ErrorCode::data_loss, reasons::kBadReply, std::move(message));
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \r\n";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
+std::string_view trimmed(std::string_view text) { return driftwise::trimmed(text, " \r\n"); }
 
 bool read_number(std::string_view text, double& value) {
   if (text.starts_with('+')) text.remove_prefix(1);

@@ -7,6 +7,7 @@
 
 #include "drivers/transport/words.h"
 #include "server/core/reasons.h"
+#include "server/core/text/trimmed.h"
 
 namespace driftwise::touch_probe {
 namespace {
@@ -18,12 +19,7 @@ tl::unexpected<Error> bad_nd28x_reply(const char* expected) {
   return fail(ErrorCode::data_loss, reasons::kBadReply, std::string("expected ") + expected);
 }
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kAround = " \r\n\x02";
-  const auto first = text.find_first_not_of(kAround);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kAround) - first + 1);
-}
+std::string_view trimmed(std::string_view text) { return driftwise::trimmed(text, " \r\n\x02"); }
 
 bool is_printable(std::string_view text) {
   return std::ranges::all_of(text, [](unsigned char c) { return c >= ' ' && c < 0x7f; });

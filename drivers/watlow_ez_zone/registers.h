@@ -23,7 +23,6 @@ inline constexpr int kInputError = 362;    // u16
 inline constexpr int kMode = 1880;         // u16
 inline constexpr int kHeatBand = 1890;     // float; cool band, integral, derivative follow
 inline constexpr int kHeatPower = 1904;    // float, %
-inline constexpr int kCoolPower = 1906;    // float, %
 inline constexpr int kSetPoint = 2160;     // float
 inline constexpr int kUnit = 2490;         // u16
 inline constexpr int kZoneStride = 5000;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/channel.h"
 #include "server/core/units.h"
 #include "server/plausibility/limits.h"
 
@@ -40,11 +41,18 @@ void check_identity(const Judge& judge, const Heard& heard) {
             "and its declared uncertainties");
 }
 
+// A device that answers something else than declared has power, cable and address.
+std::string advice_after(const Error& trouble, bool is_linked) {
+  if (is_linked) return "the device's own words say what to look at";
+  const bool is_silent =
+      trouble.code == ErrorCode::unavailable || trouble.code == ErrorCode::deadline_exceeded;
+  return is_silent ? "look at power, cable and address"
+                   : "it answers, but not as declared: correct the cell file or the device";
+}
+
 std::string bound(double value) {
   return std::abs(value) > 1e300 ? std::string("any") : fmt::format("{:g}", value);
 }
-
-bool is_light(const std::string& channel) { return channel.find("level_pct") != std::string::npos; }
 
 void check_range(const Judge& judge, const JudgedReading& reading) {
   for (const auto& value : reading.values) {
@@ -61,7 +69,7 @@ void check_range(const Judge& judge, const JudgedReading& reading) {
                   : fmt::format("{} to {} {}", bound(limit.min), bound(limit.max), unit),
               bad || is_missing(value.value) ? Finding::bad : Finding::good,
               bad ? rejected->reason : "look at its sensor and cable");
-    if (is_light(value.channel) && !is_missing(value.value))
+    if (is_light_level(value.channel) && !is_missing(value.value))
       judge.add("light level", fmt::format("{:.0f} %", value.value),
                 fmt::format("at least {:g} %", kEnoughLight_pct),
                 value.value >= kEnoughLight_pct ? Finding::good : Finding::warning,
@@ -82,7 +90,10 @@ Resolution resolution_of(const std::vector<double>& values) {
   out.sd = std::sqrt(out.sd);
   for (std::size_t i = 1; i < values.size(); ++i) {
     const double step = std::abs(values[i] - values[i - 1]);
-    if (step > 0 && (out.step == 0 || step < out.step)) out.step = step;
+    // Two answers of the same digits differ by the rounding of doubles only (a mean, a zero taken
+    // off): no instrument resolves a part in 1e12.
+    const double rounding = 1e-12 * std::max(std::abs(values[i]), std::abs(values[i - 1]));
+    if (step > rounding && (out.step == 0 || step < out.step)) out.step = step;
   }
   return out;
 }
@@ -102,8 +113,9 @@ void check_resolution(const Judge& judge, const Heard& heard, const std::string&
                      "not declared", Finding::unknown, "declare its uncertainty in the cell file");
   const bool coarse = wanted > 0 && found.sd > wanted;
   judge.add("resolution of " + channel,
-            fmt::format("spread {:.2g} {} in {} readings, smallest step {:.2g} {}", found.sd, unit,
-                        values.size(), found.step, unit),
+            fmt::format("spread {:.2g} {} in {} readings, {}", found.sd, unit, values.size(),
+                        found.step > 0 ? fmt::format("smallest step {:.2g} {}", found.step, unit)
+                                       : std::string("all equal")),
             declared > 0
                 ? fmt::format("spread of at most twice the declared {:g} {}", declared, unit)
                 : fmt::format("spread of at most {:g} {}, the gate of a point", limit, unit),
@@ -200,8 +212,7 @@ std::vector<CheckItem> check_device(const CellDescription& cell, const Heard& he
     const bool is_linked = heard.status.health.link == LinkState::connected;
     judge.add(is_linked ? "reading" : "answer", heard.trouble->message,
               is_linked ? "a reading" : "an answer at " + device.address, Finding::bad,
-              is_linked ? "the device's own words say what to look at"
-                        : "look at power, cable and address");
+              advice_after(*heard.trouble, is_linked));
     if (!is_linked) {
       check_certificates(judge, utc_ns);
       return items;

@@ -6,8 +6,8 @@ namespace driftwise::application {
 
 Result<std::vector<RecordedSeries>> recorded_series(Store& store, const std::string& device,
                                                     const std::vector<std::string>& channels,
-                                                    CellTime from, CellTime to, int most) {
-  DRIFTWISE_TRY(const auto readings, store.readings().readings(device, from, to, most));
+                                                    CellTime from, CellTime to) {
+  DRIFTWISE_TRY(const auto readings, store.readings().readings(device, from, to, kMostReadings));
   std::vector<RecordedSeries> out;
   for (const auto& channel : channels) out.push_back({channel, {}});
   for (const auto& reading : readings) {

@@ -14,10 +14,11 @@ struct RecordedSeries {
   stability::Samples samples;  // seconds since from; rejected and missing values are left out
 };
 
-// Blocks: on the store's thread. device: gives the channels. At most `most` readings,
-// the newest.
+inline constexpr int kMostReadings = 400'000;
+// Blocks: on the store's thread. device: gives the channels. The newest kMostReadings
+// at most.
 Result<std::vector<RecordedSeries>> recorded_series(Store& store, const std::string& device,
                                                     const std::vector<std::string>& channels,
-                                                    CellTime from, CellTime to, int most = 400'000);
+                                                    CellTime from, CellTime to);
 
 }  // namespace driftwise::application

@@ -30,9 +30,6 @@ Dataset declared_channels(const CellDescription& cell) {
   for (const auto& channel : cell.temperature_channels()) add(channel);
   for (const auto& device : cell.devices) {
     for (const auto& probe : device.probes()) parts.emplace_back(probe.channel.symbol, probe.part);
-    if (device.length())
-      for (const char* name : {"air_degC", "pressure_hPa", "humidity_pct"})
-        add(*parse_channel(name));
     for (const auto& channel : device.channels) add(channel);
   }
   data.metadata.emplace_back(kPartsKey, parts_text(parts));

@@ -29,7 +29,7 @@ namespace {
 
 void check_listen(TomlReader& reader, const char* key, const std::string& address) {
   if (address.empty()) return;
-  if (!is_port(split_address(address).port, 0))
+  if (has_blank(address) || !is_port(split_address(address).port, 0))
     return reader.refuse(key, reasons::kBadAddress,
                          "found " + shown(address) +
                              ", expected host:port such as 127.0.0.1:50051 (port 0: any free one)");

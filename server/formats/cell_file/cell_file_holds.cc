@@ -14,15 +14,6 @@ std::vector<std::string> channels_read(const CellDescription& cell) {
   if (const auto force = cell.force_channel()) names.push_back(force->name());
   for (const auto& device : cell.devices) {
     for (const auto& channel : device.channels) names.push_back(channel.name());
-    if (const auto* length = device.length()) {
-      names.insert(names.end(), {length->channel.symbol + "_std_nm", "air_degC", "level_pct"});
-      for (const auto& [key, value] : device.options)
-        if (key.ends_with("_channel") && !value.empty()) names.push_back(value);
-    }
-    if (device.role() != DeviceRole::stabiliser) continue;
-    const std::string stem = symbol_from_id(device.id);
-    names.push_back(stem + "_degC");
-    names.push_back(stem + "_set_degC");
   }
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());

@@ -1,12 +1,14 @@
 #include "server/formats/cell_file/startable_cell.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "server/core/reasons.h"
+#include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
 #include "server/formats/text/toml_text.h"
@@ -53,8 +55,10 @@ std::string option_of(const DeviceDescription& device, const OutputOption& optio
 
 class StartCheck {
  public:
-  StartCheck(const CellDescription& cell, const toml::table& root, TomlProblem& problem)
+  StartCheck(const CellDescription& cell, const std::string& path, const toml::table& root,
+             TomlProblem& problem)
       : cell_(cell),
+        path_(path),
         problem_(problem),
         top_(root, "", problem),
         devices_(top_.tables("device")),
@@ -65,6 +69,9 @@ class StartCheck {
   void check() {
     check_roles();
     for (std::size_t i = 0; i < devices_.size() && i < cell_.devices.size(); ++i) check_outputs(i);
+    check_channels();
+    check_places();
+    check_doors();
     if (kinematics_ != nullptr && cell_.kinematics)
       check_geometry(*kinematics_, "kinematics", *cell_.kinematics,
                      cell_.robots.empty() ? nullptr : &cell_.robots.front());
@@ -119,6 +126,105 @@ class StartCheck {
                     "found " + shown(cell_.devices[i].kind) +
                         ", a touch probe, which nothing in this version reads: leave the device "
                         "out of the cell file");
+  }
+
+  // A channel has one giver in every point. Coordinates (and their spread) are the exception of a
+  // cell with [[setup]], and so is what stands in no set-up together. Only a start asks for it:
+  // cell files of old records stay readable.
+  void check_channels() {
+    std::map<std::string, std::size_t> givers;
+    for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
+      for (const auto& channel : cell_.devices[i].channels) {
+        const auto [giver, is_new] = givers.try_emplace(channel.name(), i);
+        if (is_new || may_give_both(giver->second, i, channel)) continue;
+        refuse_device(i, has_options(i) ? "options" : "id", reasons::kDuplicateChannel,
+                      "found " + shown(channel.name()) + ", which device " +
+                          shown(cell_.devices[giver->second].id) +
+                          " gives already, expected a channel of its own: name it in options (of "
+                          "an interferometer air_channel and level_channel; \"\": none)");
+      }
+    }
+  }
+
+  bool has_options(std::size_t device) const {
+    return device < devices_.size() && devices_[device]->contains("options");
+  }
+
+  bool may_give_both(std::size_t first, std::size_t second, const Channel& channel) const {
+    if (first == second || cell_.setups.empty()) return false;
+    std::string_view symbol = without_robot(channel.symbol);
+    if (symbol.ends_with("_std")) symbol.remove_suffix(4);
+    return is_pose_symbol(symbol) ||
+           share_no_setup(cell_, cell_.devices[first], cell_.devices[second]);
+  }
+
+  bool shares_line(const DeviceDescription& device) const {
+    const auto* kind = find_kind(cell_.kinds, device.kind);
+    return kind != nullptr && kind->shares_line;
+  }
+
+  // One address speaks one protocol; serial lines are told apart by their drivers.
+  void check_places() {
+    for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
+      const auto& one = cell_.devices[i];
+      if (one.address.starts_with('/')) continue;
+      for (std::size_t k = 0; k < i; ++k) {
+        const auto& other = cell_.devices[k];
+        if (other.kind == one.kind || !is_one_place(one.address, other.address) ||
+            (shares_line(one) && shares_line(other)))
+          continue;
+        refuse_device(i, "address", reasons::kBadAddress,
+                      "found " + shown(one.address) + ", which is the address of device " +
+                          shown(other.id) + ", a " + shown(other.kind) + ": device " +
+                          shown(one.id) + ", a " + shown(one.kind) +
+                          ", speaks another protocol, expected an address of its own");
+        break;
+      }
+    }
+  }
+
+  struct Door {
+    const char *section, *key;
+    const std::string* address;
+  };
+
+  // Doors of the daemon, each with a port of its own that no device has; and its record.
+  void check_doors() {
+    const auto* cell_table = top_.table("cell");
+    const auto* access_table = top_.table("access");
+    const auto& access = cell_.access;
+    const Door doors[] = {{"cell", "listen", &cell_.listen},
+                          {"cell", "target_line", &cell_.target_line},
+                          {"cell", "http", &cell_.http},
+                          {"access", "listen", &access.listen},
+                          {"access", "http", &access.http},
+                          {"access", "target_line", &access.target_line},
+                          {"access", "plain_target_line", &access.plain_target_line}};
+    for (std::size_t i = 0; i < std::size(doors); ++i) {
+      const Door& door = doors[i];
+      const auto* table = door.section == std::string_view("cell") ? cell_table : access_table;
+      if (table == nullptr) continue;
+      const auto refuse = [&](const std::string& owner) {
+        TomlReader(*table, door.section, problem_)
+            .refuse(door.key, reasons::kBadAddress,
+                    "found " + shown(*door.address) + ", which is the address of " + owner +
+                        ", expected a port of its own");
+      };
+      for (std::size_t k = 0; k < i; ++k)
+        if (is_one_place(*door.address, *doors[k].address))
+          refuse(std::string(doors[k].key) + " = " + shown(*doors[k].address) + " of [" +
+                 doors[k].section + "]");
+      for (const auto& device : cell_.devices)
+        if (is_one_place(*door.address, device.address)) refuse("device " + shown(device.id));
+    }
+    if (cell_table == nullptr) return;
+    std::error_code ignored;
+    if (std::filesystem::weakly_canonical(cell_.database, ignored) ==
+        std::filesystem::weakly_canonical(std::filesystem::absolute(path_, ignored), ignored))
+      TomlReader(*cell_table, "cell", problem_)
+          .refuse("database", reasons::kBadOption,
+                  "found " + shown(cell_.database) +
+                      ", which is this cell file, expected a file of its own for the record");
   }
 
   // output: of the device at its place, "" for a device with one; channel: what it becomes here.
@@ -248,6 +354,7 @@ class StartCheck {
   }
 
   const CellDescription& cell_;
+  const std::string& path_;  // of the cell file
   TomlProblem& problem_;
   TomlReader top_;
   std::vector<const toml::table*> devices_, robots_;
@@ -261,7 +368,7 @@ Result<void> check_startable(const CellDescription& cell, const std::string& pat
   TomlProblem problem{.file_name = path, .first = {}};
   try {
     const auto root = parse_toml(cell.text, path);
-    StartCheck(cell, root, problem).check();
+    StartCheck(cell, path, root, problem).check();
   } catch (const toml::parse_error& error) {
     return tl::unexpected(syntax_error(error, path));
   }

@@ -178,11 +178,16 @@ TEST_F(InterferometerLoop, ChecksItsDescription) {
                 .error()
                 .reason,
             "BAD_OPTION");
-  EXPECT_EQ(drivers::make_interferometer_adapter(laser({{"air_channel", "air"}}),
-                                                 context.get_executor(), clock)
-                .error()
-                .reason,
-            "BAD_CHANNEL");
+  using Option = std::pair<const char*, const char*>;
+  for (const auto& [name, value] :
+       {Option{"air_channel", "air"}, Option{"air_channel", "x_std_nm"},
+        Option{"level_channel", "x_mm"}, Option{"level_channel", "support_power_pct"}})
+    EXPECT_EQ(
+        drivers::make_interferometer_adapter(laser({{name, value}}), context.get_executor(), clock)
+            .error()
+            .reason,
+        "BAD_CHANNEL")
+        << name << " = " << value;
 }
 
 }  // namespace

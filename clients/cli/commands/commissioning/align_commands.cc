@@ -29,7 +29,7 @@ struct AlignArguments {
 // Light, lengths and spots, for a person who turns a screw.
 bool is_shown(const v1::LatestValue& value) {
   const auto& name = value.channel();
-  return name.find("level_pct") != std::string::npos || name.ends_with("_arcsec") ||
+  return is_light_level(name) || name.ends_with("_arcsec") ||
          (name.ends_with("_mm") && !without_robot(name).starts_with("q"));
 }
 

@@ -14,7 +14,7 @@
 
 namespace driftwise::simulated {
 
-inline constexpr std::size_t kMaxProbes = 16, kMaxBeams = 3, kMaxAxes = 3, kMaxCollimators = 2;
+inline constexpr std::size_t kMaxProbes = 16, kMaxBeams = 3, kMaxAxes = 3;
 
 // The plant's slow quantities at one instant.
 struct Frame {

@@ -45,10 +45,10 @@ Six row_of(const Bar& bar, const PlatformPose& pose, double& length_mm) {
 
 }  // namespace
 
-PlatformPose closed_pose(const std::array<Bar, kBars>& bars, const PlatformPose& start,
-                         int rounds) {
+PlatformPose closed_pose(const std::array<Bar, kBars>& bars, const PlatformPose& start) {
+  constexpr int kMostRounds = 20;
   PlatformPose pose = start;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < kMostRounds; ++round) {
     SixBySix rows{};
     Six step{};
     for (std::size_t k = 0; k < kBars; ++k) {
@@ -64,7 +64,7 @@ PlatformPose closed_pose(const std::array<Bar, kBars>& bars, const PlatformPose&
     for (const double value : step) size = std::max(size, std::abs(value));
     if (size > 100) break;
     // Quadratic: after a step this small the next one would be below the last digit.
-    if (size < 1e-6 || rounds == 1) return pose;
+    if (size < 1e-6) return pose;
   }
   throw std::domain_error("six bars: they cannot be closed at these positions");
 }

@@ -23,10 +23,9 @@ struct PlatformPose {
 };
 
 // Where the platform is: Newton's iteration on the six distances, from `start`; quadratic, three or
-// four rounds from anywhere in the workspace, to 1e-11 mm. One round is enough when lengths have
-// changed by nanometres: rounds bounds it. Throws std::domain_error when the bars cannot be closed.
-PlatformPose closed_pose(const std::array<Bar, kBars>& bars, const PlatformPose& start,
-                         int rounds = 20);
+// four rounds from anywhere in the workspace, to 1e-11 mm. Throws std::domain_error when the bars
+// cannot be closed.
+PlatformPose closed_pose(const std::array<Bar, kBars>& bars, const PlatformPose& start);
 
 // A force through the platform's centre and a moment about it, N and N mm.
 struct Wrench {

@@ -29,7 +29,6 @@ class HoldingServo {
   // Place under a force.
   double push_nm(double force_n) const;
   void integrate(double push_nm, double step_s);
-  double integral_n() const { return integral_n_; }
 
  private:
   HoldingParameters p_;

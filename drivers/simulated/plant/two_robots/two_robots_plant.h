@@ -78,7 +78,6 @@ class TwoRobotsPlant final : public MicroNanoPlant {
   double substrate_rx_arcsec() const;  // of the substrate on the lower robot
   double substrate_ry_arcsec() const;
   double lever_mm() const { return lever_mm_; }
-  const TwoRobotsParameters& all_parameters() const { return parameters_; }
   MinAnglePlant& lower() { return lower_; }
 
   std::vector<std::string> truth_columns() const override;

@@ -243,7 +243,7 @@ INSTANTIATE_TEST_SUITE_P(
                        "u_length_nm = 4.6",
                        "u_length_nm = 9",
                        "device laser-x: u_length_nm 4.6 -> 9",
-                       {"x", "air", "pressure", "humidity"}},
+                       {"x", "x_std", "air", "pressure", "humidity", "level"}},
         DifferenceCase{"Instrument",
                        "10.0.0.4:4000",
                        "10.0.0.9:4000",
@@ -280,7 +280,7 @@ INSTANTIATE_TEST_SUITE_P(
                        "u_length_nm = 4.6",
                        "u_length_nm = 4.6\noptions = {unit = \"nm\"}",
                        "device laser-x: options.unit not given -> nm",
-                       {"x", "air", "pressure", "humidity"}}),
+                       {"x", "x_std", "air", "pressure", "humidity", "level"}}),
     [](const auto& row) { return std::string(row.param.name); });
 
 // Three robots of one axis, and three rules that keep them apart.

@@ -96,5 +96,25 @@ TEST(CellFileHolds, ThatMakeNoSenseAreRefusedWithTheLine) {
   EXPECT_THAT(refusal(room + "action = \"explode\"\n"), HasSubstr("finish-point"));
 }
 
+// A run waited for ever for the default names of an interferometer whose options name others.
+TEST(CellFileHolds, KnowTheChannelsThatOptionsName) {
+  const auto of = [](const std::string& channel) {
+    return parse_cell_file(
+        "[cell]\nname = \"small\"\ndatabase = \"small.db\"\n[[device]]\nid = "
+        "\"laser-x\"\nkind = \"interferometer-adapter\"\naddress = "
+        "\"127.0.0.1:1\"\nlength = \"x_mm\"\noptions = { air_channel = "
+        "\"air_x_degC\", level_channel = \"level_x_pct\" }\n[[hold]]\nname = "
+        "\"one\"\nchannel = \"" +
+            channel + "\"\nabove = 30\n",
+        "cell.toml", drivers::all_devices());
+  };
+  for (const char* given : {"air_x_degC", "level_x_pct", "x_std_nm"}) EXPECT_TRUE(of(given));
+  for (const char* phantom : {"air_degC", "level_pct"}) {
+    const auto cell = of(phantom);
+    ASSERT_FALSE(cell) << phantom;
+    EXPECT_EQ(cell.error().reason, "NO_SUCH_CHANNEL");
+  }
+}
+
 }  // namespace
 }  // namespace driftwise::formats

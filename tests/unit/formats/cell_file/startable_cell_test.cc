@@ -31,6 +31,7 @@ std::string laser(const std::string& id, const std::string& length, const std::s
 }
 
 const std::string kAxis = device("axis", "pi-gcs", "10.0.0.1:5000") + axis("q1_mm", "X");
+const std::string kOwnNames = "air_channel = \"air_y_degC\", level_channel = \"level_y_pct\"";
 const std::string kLaser = laser("laser-x", "x_mm", "channel = 1");
 
 Result<void> start_of(const std::string& text) {
@@ -71,8 +72,10 @@ TEST(StartableCell, ReadsAnInterferometerAsOneCoordinateOnly) {
             "cell.toml:22: device 3: address: found '10.0.0.2:4000', channel 1, which is "
             "'x_mm' of device 'laser-x' already: 'y_mm' would be the same one, expected an "
             "output of its own");
-  EXPECT_TRUE(start_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", "channel = 2")));
-  EXPECT_TRUE(start_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", "", "10.0.0.3:4000")));
+  EXPECT_TRUE(
+      start_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", "channel = 2, " + kOwnNames)));
+  EXPECT_TRUE(
+      start_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", kOwnNames, "10.0.0.3:4000")));
 }
 
 // A person carries the laser from one beam to the other between the two set-ups.
@@ -193,6 +196,48 @@ TEST(StartableCell, TakesAnAxisThatIsNamedForNoListOfAxes) {
                             "slope_unit = \"N/V\"\nmin_v = -9\nmax_v = 9\nu = 0.01\n";
   const auto start = start_of(kHead + kAxis + kLaser + force);
   EXPECT_TRUE(start) << start.error().message;
+}
+
+// Points stored the mean of two lasers' air, and a hold on the light was met with a dark beam.
+TEST(StartableCell, GivesEachChannelByOneDeviceOptionsIncluded) {
+  const auto shared = refusal_of(kHead + kAxis + kLaser + laser("laser-y", "y_mm", "channel = 2"));
+  EXPECT_EQ(shared.reason, "DUPLICATE_CHANNEL");
+  EXPECT_THAT(shared.message, HasSubstr("device 3: options: found 'air_degC', which device "
+                                        "'laser-x' gives already"));
+  const auto support = device("support", "watlow-ez-zone", "10.0.0.4:502");
+  const auto text =
+      kHead + kAxis + support + laser("laser-x", "x_mm", "air_channel = \"support_degC\"");
+  EXPECT_EQ(refusal_of(text).reason, "DUPLICATE_CHANNEL");
+  EXPECT_TRUE(parse_cell_file(text, "cell.toml", drivers::all_devices()))
+      << "the cell files of old records stay readable";
+}
+
+TEST(StartableCell, HasOneKindOfDeviceAtAnAddress) {
+  const auto refused = refusal_of(kHead + kAxis + laser("laser-x", "x_mm", "", "10.0.0.1:5000"));
+  EXPECT_THAT(refused.message, HasSubstr("address: found '10.0.0.1:5000', which is the address of "
+                                         "device 'axis', a 'pi-gcs'"));
+  EXPECT_THAT(refused.message, HasSubstr("'laser-x'"));
+}
+
+TEST(StartableCell, ComparesItsDoorsWithItsDevicesAndItsRecordWithItself) {
+  const auto head = [](const std::string& more) {
+    return "[cell]\nname = \"small\"\ndatabase = \"cell.db\"\n" + more;
+  };
+  const std::string twice = "listen = \"127.0.0.1:50051\"\ntarget_line = \"localhost:50051\"\n";
+  EXPECT_THAT(refusal_of(head(twice) + kAxis + kLaser).message,
+              HasSubstr("target_line: found 'localhost:50051', which is the address of listen"));
+  const auto local = laser("laser-x", "x_mm", "", "127.0.0.1:4000");
+  EXPECT_THAT(refusal_of(head("listen = \"127.0.0.1:4000\"\n") + kAxis + local).message,
+              HasSubstr("listen: found '127.0.0.1:4000', which is the address of device "
+                        "'laser-x'"));
+  EXPECT_TRUE(start_of(head("listen = \"127.0.0.1:0\"\nhttp = \"127.0.0.1:0\"\n") + kAxis + local))
+      << "port 0 is any free one";
+  EXPECT_THAT(
+      refusal_of("[cell]\nname = \"small\"\ndatabase = \"cell.toml\"\n" + kAxis + kLaser).message,
+      HasSubstr("which is this cell file"));
+  for (const std::string address : {"127.0.0.1 :21002", "no such host:1"})
+    EXPECT_EQ(refusal_of(kHead + kAxis + laser("laser-x", "x_mm", "", address)).reason,
+              "BAD_ADDRESS");
 }
 
 }  // namespace

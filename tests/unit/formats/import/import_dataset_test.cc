@@ -241,13 +241,14 @@ TEST(ImportDataset, SeesTheClockSetBackWhateverTheSpacingOfTheRows) {
 
 // Stamps of a clock that goes back by `early_s` two hours before summer time ends, one row every
 // 61 s from 0 to 6 h; late_row: one that stands 90 s behind the next, an hour after.
-std::string night_with_a_clock_set_right(int early_s, bool late_row) {
+std::string night_with_a_clock_set_right(int early_s, bool late_row,
+                                         const std::string& day = "2026-10-25") {
   std::vector<std::string> rows;
   for (int i = 0; i < 350; ++i) {
     const int real_s = 61 * i;
     const int local_s = real_s - (real_s >= 3 * 3600 ? 3600 : 0) + (real_s < 3600 ? early_s : 0);
     const auto two = [](int value) { return std::to_string(100 + value).substr(1); };
-    rows.push_back("2026-10-25T" + two(local_s / 3600) + ":" + two(local_s / 60 % 60) + ":" +
+    rows.push_back(day + "T" + two(local_s / 3600) + ":" + two(local_s / 60 % 60) + ":" +
                    two(local_s % 60) + "," + std::to_string(i) + "\n");
   }
   if (late_row) std::rotate(rows.begin() + 250, rows.begin() + 251, rows.begin() + 253);
@@ -270,6 +271,33 @@ TEST(ImportDataset, SeesTheClockSetBackWhateverOtherStepsBackTheFileHas) {
         EXPECT_THAT(error.message, HasSubstr("summer time?"));
         EXPECT_THAT(error.message, testing::Not(HasSubstr("by-time")));
       }
+}
+
+// Days of the tz database on which clocks of Africa/Casablanca go from 3 h back to 2 h (Ramadan),
+// and one of America/Sao_Paulo.
+TEST(ImportDataset, SeesTheClockSetBackInAnyMonth) {
+  for (const char* day : {"2026-02-15", "2029-01-14", "2031-12-14", "2019-02-17"})
+    for (const int early_s : {0, 63}) {
+      SCOPED_TRACE(std::string(day) + ", " + std::to_string(early_s));
+      const auto error = refused(night_with_a_clock_set_right(early_s, true, day),
+                                 std::string(kTimed) + "order = \"by-time\"\n");
+      EXPECT_EQ(error.reason, "TIME_NOT_INCREASING");
+      EXPECT_THAT(error.message, HasSubstr("lab.csv:180: "));
+      EXPECT_THAT(error.message, HasSubstr("the one such step in the file"));
+    }
+}
+
+// Three series of twenty minutes, the latest first: each step back is of 50 min, and no time is
+// there twice. The day is one of clocks that are set back.
+TEST(ImportDataset, SortsSeriesThatWereJoinedOutOfOrder) {
+  std::string csv = "t,x\n";
+  for (const int begin_min : {11 * 60 + 20, 10 * 60 + 50, 10 * 60 + 20})
+    for (int minute = begin_min; minute <= begin_min + 20; minute += 5)
+      csv += "2026-10-25T" + std::to_string(minute / 60) + ":" +
+             std::to_string(100 + minute % 60).substr(1) + ":00," + std::to_string(minute) + "\n";
+  const auto out = imported(csv, std::string(kTimed) + "order = \"by-time\"\n");
+  EXPECT_EQ(out.report.late_rows, 10u);
+  EXPECT_TRUE(std::ranges::is_sorted(out.dataset.columns[0].values));
 }
 
 // Rows every 20 s, with a pause over lunch of 50 min, and two that are 3 s and 8 s late: a pause
