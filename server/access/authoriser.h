@@ -18,6 +18,7 @@
 #include "server/access/token_book.h"
 #include "server/access/wrong_tries.h"
 #include "server/core/description/access_description.h"
+#include "server/core/result.h"
 
 namespace driftwise::access {
 

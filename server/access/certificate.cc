@@ -13,6 +13,7 @@
 #include <ctime>
 #include <memory>
 
+#include "server/access/common_name.h"
 #include "server/core/freed.h"
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
@@ -32,13 +33,6 @@ Result<File> open_file(const std::string& path, const char* what) {
                 "cannot open the " + std::string(what) + " " + path +
                     ": check the path and its permissions ('driftwise cert init' makes one)");
   return file;
-}
-
-std::string common_name(const X509_NAME* name) {
-  std::array<char, 256> text{};
-  const int size = X509_NAME_get_text_by_NID(const_cast<X509_NAME*>(name), NID_commonName,
-                                             text.data(), text.size());
-  return size > 0 ? clean_line({text.data(), static_cast<std::size_t>(size)}) : "";
 }
 
 std::int64_t utc_s(const ASN1_TIME* time) {

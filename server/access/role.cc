@@ -1,8 +1,5 @@
 #include "server/access/role.h"
 
-#include "server/core/reasons.h"
-#include "server/core/text/shown_text.h"
-
 namespace driftwise::access {
 
 std::string_view to_string(Role role) {
@@ -27,18 +24,9 @@ std::optional<Role> role_from(std::string_view name) {
   return std::nullopt;
 }
 
-Result<Role> role_named(std::string_view name) {
-  if (const auto role = role_from(name)) return *role;
-  return fail(
-      ErrorCode::invalid_argument, reasons::kBadRole,
-      "role: found " + shown(name) + ", expected viewer, controller, operator, engineer or admin");
-}
-
 std::optional<Role> role_from_uri(std::string_view uri) {
   if (!uri.starts_with(kRoleUri)) return std::nullopt;
   return role_from(uri.substr(kRoleUri.size()));
 }
-
-std::string role_uri(Role role) { return std::string(kRoleUri) + std::string(to_string(role)); }
 
 }  // namespace driftwise::access

@@ -13,10 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <string_view>
-
-#include "server/core/result.h"
 
 namespace driftwise::access {
 
@@ -30,12 +27,9 @@ constexpr bool includes(Role has, Role needed) { return has >= needed; }
 // "viewer", "controller", "operator", "engineer", "admin".
 std::string_view to_string(Role role);
 std::optional<Role> role_from(std::string_view name);
-// Errors: invalid_argument BAD_ROLE, with the names there are.
-Result<Role> role_named(std::string_view name);
 
 // URI of a certificate's subject alternative name: "driftwise:role/operator". Other URIs: nothing.
 inline constexpr std::string_view kRoleUri = "driftwise:role/";
 std::optional<Role> role_from_uri(std::string_view uri);
-std::string role_uri(Role role);
 
 }  // namespace driftwise::access

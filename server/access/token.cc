@@ -44,25 +44,6 @@ std::string base64url(std::string_view bytes) {
   return out;
 }
 
-std::string to_hex(std::string_view bytes) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string out;
-  for (const char c : bytes) {
-    out += kDigits[static_cast<unsigned char>(c) >> 4U];
-    out += kDigits[static_cast<unsigned char>(c) & 15U];
-  }
-  return out;
-}
-
-std::string sha256(std::string_view bytes) {
-  std::string out(32, '\0');
-  unsigned int size = 32;
-  if (EVP_Digest(bytes.data(), bytes.size(), reinterpret_cast<unsigned char*>(out.data()), &size,
-                 EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("OpenSSL made no SHA-256");
-  return out;
-}
-
 TokenParts new_token() {
   TokenParts parts;
   while (parts.id.size() < kIdLength) {  // the lower case and digits of what base64url gives

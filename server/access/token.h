@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "server/core/result.h"
+#include "server/digest/sha256.h"
 
 namespace driftwise::access {
 
@@ -23,8 +24,7 @@ struct TokenParts {
 // count random bytes. Throws std::runtime_error when the system has none.
 std::string random_bytes(std::size_t count);
 std::string base64url(std::string_view bytes);
-std::string to_hex(std::string_view bytes);
-std::string sha256(std::string_view bytes);  // 32 bytes
+using digest::sha256;  // of a cookie, a link, a token: what is kept instead of it
 
 TokenParts new_token();
 std::string token_text(const TokenParts& parts);

@@ -76,8 +76,8 @@ Result<void> TokenBook::write() const {
                 {"n", kept.cost.n},
                 {"r", kept.cost.r},
                 {"p", kept.cost.p},
-                {"salt", to_hex(kept.salt)},
-                {"scrypt", to_hex(kept.hash)}};
+                {"salt", digest::hex_from(kept.salt)},
+                {"scrypt", digest::hex_from(kept.hash)}};
     if (kept.record.expires_utc_s) one["expires_utc_s"] = *kept.record.expires_utc_s;
     all["tokens"].push_back(std::move(one));
   }

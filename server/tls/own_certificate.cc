@@ -8,9 +8,9 @@
 #include <ctime>
 #include <memory>
 
+#include "server/access/common_name.h"
 #include "server/core/freed.h"
 #include "server/core/reasons.h"
-#include "server/core/text/clean_text.h"
 
 namespace driftwise::tls {
 namespace {
@@ -27,12 +27,8 @@ Certificate certificate_in(const std::string& pem) {
   return Certificate(PEM_read_bio_X509(text_of(pem).get(), nullptr, nullptr, nullptr));
 }
 
-std::string common_name(const X509* certificate) {
-  std::array<char, 256> text{};
-  const int size =
-      X509_NAME_get_text_by_NID(const_cast<X509_NAME*>(X509_get_subject_name(certificate)),
-                                NID_commonName, text.data(), text.size());
-  return size > 0 ? clean_line({text.data(), static_cast<std::size_t>(size)}) : "";
+std::string subject_of(const Certificate& certificate) {
+  return access::common_name(X509_get_subject_name(certificate.get()));
 }
 
 std::string day_of(const ASN1_TIME* time) {
@@ -59,7 +55,7 @@ Result<void> check_pair(const std::string& certificate_pem, const std::string& k
                 std::string("found no ") + (certificate ? "private key" : "certificate") +
                     " in PEM form without a password");
   return fail(ErrorCode::invalid_argument, reasons::kKeyMismatch,
-              "the key does not belong to the certificate of '" + common_name(certificate.get()) +
+              "the key does not belong to the certificate of '" + subject_of(certificate) +
                   "': give those that were made together");
 }
 
@@ -69,7 +65,7 @@ std::string doubts_of(const std::string& certificate_pem, const std::string& aut
              authority = certificate_in(authority_pem);
   ERR_clear_error();
   if (!certificate) return {};
-  const std::string what = "the certificate of '" + common_name(certificate.get()) + "' ";
+  const std::string what = "the certificate of '" + subject_of(certificate) + "' ";
   std::time_t now = now_utc_s;
   std::string doubts;
   const auto add = [&](const std::string& doubt) {

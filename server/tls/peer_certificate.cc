@@ -6,23 +6,11 @@
 
 #include <memory>
 
+#include "server/access/common_name.h"
 #include "server/core/freed.h"
 
 namespace driftwise::tls {
 namespace {
-
-std::string common_name(X509* certificate) {
-  X509_NAME* subject = X509_get_subject_name(certificate);
-  const int at = X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
-  if (at < 0) return {};
-  unsigned char* bytes = nullptr;
-  const int size =
-      ASN1_STRING_to_UTF8(&bytes, X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, at)));
-  if (size < 0) return {};
-  std::string out(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
-  OPENSSL_free(bytes);
-  return out;
-}
 
 std::vector<std::string> uris_of(X509* certificate) {
   std::vector<std::string> out;
@@ -51,8 +39,8 @@ std::string pem_of(X509* certificate) {
 std::optional<PeerCertificate> peer_certificate(SSL* connection) {
   const std::unique_ptr<X509, Freed<X509_free>> certificate(SSL_get1_peer_certificate(connection));
   if (!certificate || SSL_get_verify_result(connection) != X509_V_OK) return std::nullopt;
-  return PeerCertificate{common_name(certificate.get()), uris_of(certificate.get()),
-                         pem_of(certificate.get())};
+  return PeerCertificate{access::common_name(X509_get_subject_name(certificate.get())),
+                         uris_of(certificate.get()), pem_of(certificate.get())};
 }
 
 }  // namespace driftwise::tls

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/access/bearer.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
@@ -32,14 +33,8 @@ HttpResponse refused_json(const Error& error) {
   return response;
 }
 
-// "Bearer dwt_..." -> "dwt_..."; empty: no such header. Bounded: a token is some sixty characters.
 std::string bearer_of(const HttpRequest& request) {
-  constexpr std::string_view kScheme = "bearer ";
-  const std::string_view text = request.header("authorization");
-  if (text.size() < kScheme.size()) return {};
-  for (std::size_t i = 0; i < kScheme.size(); ++i)
-    if ((text[i] | 0x20) != kScheme[i]) return {};
-  return std::string(text.substr(kScheme.size(), 256));
+  return std::string(access::bearer_in(request.header("authorization")));
 }
 
 Json json_of(const SessionDesk::Session& session) {

@@ -41,6 +41,13 @@ std::string cut(const std::string& text, std::size_t width) {
   return out + "…";
 }
 
+// Numbers come with the record, which may take nothing for a while.
+std::string occurrence_of(const v1::Alarm& alarm) {
+  return alarm.kind() + "\n" + alarm.subject() + "\n" +
+         std::to_string(alarm.since_time().seconds()) + "." +
+         std::to_string(alarm.since_time().nanos());
+}
+
 }  // namespace
 
 void LivePicture::take(const v1::WatchResponse& batch) {
@@ -53,9 +60,9 @@ void LivePicture::take(const v1::WatchResponse& batch) {
     if (event.has_alarm()) {
       const auto& alarm = event.alarm();
       if (alarm.has_cleared_time())
-        alarms_.erase(alarm.id());
+        alarms_.erase(occurrence_of(alarm));
       else
-        alarms_[alarm.id()] = alarm;
+        alarms_[occurrence_of(alarm)] = alarm;
     }
   }
 }
@@ -103,7 +110,7 @@ std::vector<std::string> LivePicture::head(const Paint& paint, std::size_t width
   else
     lines.push_back("no run under way");
   std::vector<std::string> sentences(cell_.attention().begin(), cell_.attention().end());
-  for (const auto& [id, alarm] : alarms_)
+  for (const auto& [occurrence, alarm] : alarms_)
     if (std::find(sentences.begin(), sentences.end(), alarm.message()) == sentences.end())
       sentences.push_back(alarm.message());
   for (const auto& sentence : sentences)

@@ -44,7 +44,7 @@ class LivePicture {
   v1::GetStatusResponse cell_;
   v1::RunProgress progress_;
   bool run_known_ = false;
-  std::map<std::int64_t, v1::Alarm> alarms_;
+  std::map<std::string, v1::Alarm> alarms_;  // by what they are of: not all have a number yet
   std::map<std::string, std::vector<double>> history_;
   google::protobuf::Timestamp cell_time_;
 };

@@ -91,17 +91,25 @@ bool ProgressBar::may_tell_state(v1::Run::State state) {
 
 void ProgressBar::show(const v1::RunProgress& progress) {
   const auto now = std::chrono::steady_clock::now();
-  const bool changed = progress.run().state() != last_state_;
-  last_state_ = progress.run().state();
+  const auto& run = progress.run();
+  const bool changed = run.state() != last_state_ || run.reason() != last_reason_;
+  last_state_ = run.state();
+  last_reason_ = run.reason();
+  const std::string why = is_over(run.state()) ? "" : run.reason();
   if (!console_.err_is_terminal) {  // a log wants few lines: state changes and every tenth
-    const int tenth = static_cast<int>(std::floor(share_of(progress.run()) * 10));
+    const int tenth = static_cast<int>(std::floor(share_of(run) * 10));
     if (tenth == last_tenth_ && !(changed && may_tell_state(last_state_))) return;
     last_tenth_ = tenth;
-    console_.err << progress_line(progress, remaining_s(progress), 200) << '\n' << std::flush;
+    console_.err << progress_line(progress, remaining_s(progress), 200)
+                 << (why.empty() ? "" : "  (" + why + ")") << '\n'
+                 << std::flush;
     return;
   }
   if (!changed && now - drawn_ < std::chrono::milliseconds(100)) return;
   drawn_ = now;
+  if (changed && !why.empty() && may_tell_state(run.state()))
+    console_.err << "\r\x1b[Krun " << run.id() << " " << state_text(run.state()) << ": " << why
+                 << '\n';
   console_.err << "\r\x1b[K" << progress_line(progress, remaining_s(progress), console_.err_width)
                << std::flush;
   open_line_ = true;

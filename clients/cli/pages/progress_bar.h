@@ -1,5 +1,6 @@
 #pragma once
-// One line about a run under way: redrawn in place on a terminal, else a line now and then.
+// One line about a run under way: redrawn in place on a terminal, else a line now and then. What a
+// run waits for has a line of its own on a terminal, and is on the line elsewhere.
 
 #include <chrono>
 #include <string>
@@ -39,6 +40,7 @@ class ProgressBar {
   bool open_line_ = false;
   int last_tenth_ = -1;
   v1::Run::State last_state_ = v1::Run::STATE_UNSPECIFIED;
+  std::string last_reason_;
   // Changes of state that a log may still be told at once; one more every kRefill.
   int states_left_ = kStatesAtOnce;
   std::chrono::steady_clock::time_point refilled_{};

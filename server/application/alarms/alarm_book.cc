@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "server/core/try.h"
 
@@ -14,14 +15,14 @@ Awaitable<Result<void>> AlarmBook::restore() {
   for (const auto& alarm : alarms)
     if (alarm.cleared.utc_ns == 0)
       standing_[{alarm.kind, alarm.subject}] = {
-          alarm.id, 0, alarm.message, alarm.consequences, clock_.now().utc, alarm};
+          .alarm = alarm, .told = clock_.now().utc, .restored = true};
   co_return Result<void>{};
 }
 
 std::vector<AlarmRecord> AlarmBook::unjudged() const {
   std::vector<AlarmRecord> out;
   for (const auto& [key, standing] : standing_)
-    if (standing.restored) out.push_back(*standing.restored);
+    if (standing.restored) out.push_back(standing.alarm);
   return out;
 }
 
@@ -31,12 +32,13 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions, IsJudged
     Key key{condition.kind, condition.subject};
     if (const auto known = standing_.find(key); known != standing_.end()) {
       known->second.looks_without = 0;
-      if (!condition.settling) known->second.restored.reset();
-    } else if (const auto waiting = unstored_.find(key); waiting != unstored_.end()) {
+      if (!condition.settling) known->second.restored = false;
+    } else if (const auto waiting = unstored_.find(key);
+               waiting != unstored_.end() && waiting->second.alarm.cleared.utc_ns == 0) {
       waiting->second.looks_without = 0;
-      waiting->second.alarm.cleared = {};
     } else if (!condition.settling) {
-      unstored_.emplace(key, Unstored{begun(condition)});
+      if (waiting != unstored_.end()) keep(std::move(waiting->second.alarm));  // its end was told
+      unstored_[key] = {.alarm = begun(condition), .told = clock_.now().utc};
     }
     found.insert(std::move(key));
   }
@@ -44,56 +46,109 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions, IsJudged
   co_await std::move(storing);
   auto telling = tell_what_changed(conditions);
   co_await std::move(telling);
+  publish_unstored();
   std::vector<Key> over;
   for (auto& [key, standing] : standing_) {
     if (found.contains(key)) continue;
-    if (standing.restored && is_judged && !is_judged(*standing.restored)) continue;
-    standing.restored.reset();
+    if (standing.restored && is_judged && !is_judged(standing.alarm)) continue;
+    standing.restored = false;
     if (++standing.looks_without >= kLooksToClear) over.push_back(key);
   }
+  std::vector<AlarmId> ended;
   for (const Key& key : over) {
-    const AlarmId id = standing_[key].id;
-    const CellTime now = clock_.now().utc;
-    const auto cleared = co_await writer_.alarms().clear(id, now);
-    if (!cleared) continue;
-    standing_.erase(key);
-    watchers_.publish(*cleared);
+    AlarmRecord alarm = std::move(standing_.extract(key).mapped().alarm);
+    alarm.cleared = clock_.now().utc;
+    ended.push_back(alarm.id);
+    ended_[alarm.id] = std::move(alarm);
   }
+  auto ending = store_ends();
+  co_await std::move(ending);
+  for (const AlarmId id : ended)
+    if (const auto kept = ended_.find(id); kept != ended_.end()) {
+      const AlarmRecord alarm = kept->second;
+      watchers_.publish(alarm);
+    }
 }
 
 Awaitable<void> AlarmBook::tell_what_changed(const std::vector<AlarmCondition>& conditions) {
   for (const auto& condition : conditions) {
     const Key key{condition.kind, condition.subject};
     const auto known = standing_.find(key);
+    const auto waits = unstored_.find(key);
+    if (known == standing_.end() && waits == unstored_.end()) continue;
+    AlarmRecord& alarm = known == standing_.end() ? waits->second.alarm : known->second.alarm;
+    CellTime& told = known == standing_.end() ? waits->second.told : known->second.told;
+    const bool more = condition.consequences.size() != alarm.consequences.size();
+    const bool other =
+        condition.message != alarm.message || condition.consequences != alarm.consequences;
+    const bool is_news = other && (more || clock_.now().utc - told >= kBetweenTellings);
+    if (is_news) {
+      alarm.message = condition.message;
+      alarm.consequences = condition.consequences;
+      told = clock_.now().utc;
+    }
     if (known == standing_.end()) {
-      // One that waits for room in the record says what holds now.
-      if (const auto waits = unstored_.find(key); waits != unstored_.end())
-        waits->second.alarm.message = condition.message;
+      waits->second.is_news = waits->second.is_news || is_news;
       continue;
     }
-    const auto& told = known->second;
-    const bool more = condition.consequences.size() != told.consequences.size();
-    const bool other =
-        condition.message != told.message || condition.consequences != told.consequences;
-    if (!other || (!more && clock_.now().utc - told.told < kBetweenTellings)) continue;
-    const auto stored =
-        co_await writer_.alarms().tell(told.id, condition.message, condition.consequences);
-    if (!stored) co_return;
-    standing_[key] = {.id = stored->id,
-                      .message = condition.message,
-                      .consequences = condition.consequences,
-                      .told = clock_.now().utc,
-                      .restored = std::move(standing_[key].restored)};
-    watchers_.publish(*stored);
+    if (!is_news && !known->second.unstored) continue;
+    const AlarmRecord now = alarm;
+    const auto stored = co_await writer_.alarms().tell(now.id, now.message, now.consequences);
+    Standing& standing = standing_.at(key);
+    standing.unstored = !stored;
+    if (stored) {
+      publish(*stored);
+    } else if (is_news) {
+      const AlarmRecord present = standing.alarm;
+      watchers_.publish(present);
+    }
   }
+}
+
+Awaitable<void> AlarmBook::store_ends() {
+  std::vector<AlarmRecord> ends;
+  for (const auto& [id, alarm] : ended_) ends.push_back(alarm);
+  for (const auto& alarm : ends) {
+    const auto cleared = co_await writer_.alarms().clear(alarm.id, alarm.cleared);
+    if (!cleared) continue;
+    ended_.erase(alarm.id);
+    watchers_.publish(*cleared);
+  }
+}
+
+void AlarmBook::publish_unstored() {
+  std::vector<AlarmRecord> news;
+  for (auto& [key, one] : unstored_)
+    if (std::exchange(one.is_news, false)) news.push_back(one.alarm);
+  for (const auto& alarm : news) watchers_.publish(alarm);
+}
+
+// What a change of the record says, with what the record does not have yet.
+AlarmRecord AlarmBook::publish(AlarmRecord stored) {
+  if (const auto ended = ended_.find(stored.id); ended != ended_.end()) {
+    stored.cleared = ended->second.cleared;
+    ended->second = stored;
+  }
+  if (const auto known = standing_.find({stored.kind, stored.subject});
+      known != standing_.end() && known->second.alarm.id == stored.id) {
+    if (known->second.unstored) {
+      stored.message = known->second.alarm.message;
+      stored.consequences = known->second.alarm.consequences;
+    }
+    known->second.alarm = stored;
+  }
+  watchers_.publish(stored);
+  return stored;
 }
 
 Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
   std::vector<Key> waiting;
   for (auto& [key, one] : unstored_) {
     if (!found.contains(key) && one.alarm.cleared.utc_ns == 0 &&
-        ++one.looks_without >= kLooksToClear)
+        ++one.looks_without >= kLooksToClear) {
       one.alarm.cleared = clock_.now().utc;
+      one.is_news = true;
+    }
     waiting.push_back(key);
   }
   for (const Key& key : waiting) {
@@ -102,10 +157,8 @@ Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
     if (!stored) co_return;  // no room yet
     const auto one = unstored_.extract(key).mapped();
     if (one.alarm.cleared.utc_ns == 0)
-      standing_[key] = {.id = stored->id,
+      standing_[key] = {.alarm = *stored,
                         .looks_without = std::max(0, one.looks_without - 1),  // look() counts it
-                        .message = stored->message,
-                        .consequences = stored->consequences,
                         .told = clock_.now().utc};
   }
   while (!unstored_notes_.empty()) {
@@ -122,11 +175,16 @@ Awaitable<void> AlarmBook::note(AlarmCondition condition) {
   auto storing = store(alarm);
   const auto stored = co_await std::move(storing);
   if (stored) co_return;
-  if (unstored_notes_.size() < kMostNotes)
-    unstored_notes_.push_back(std::move(alarm));
+  if (keep(alarm)) watchers_.publish(alarm);
+}
+
+bool AlarmBook::keep(AlarmRecord over) {
+  const bool has_room = unstored_notes_.size() < kMostNotes;
+  if (has_room)
+    unstored_notes_.push_back(std::move(over));
   else
-    spdlog::error("alarm {} is not on record: {}: {}", alarm.kind, alarm.message,
-                  stored.error().message);
+    spdlog::error("alarm {} is not on record, which takes nothing: {}", over.kind, over.message);
+  return has_room;
 }
 
 AlarmRecord AlarmBook::begun(const AlarmCondition& condition) const {
@@ -155,10 +213,18 @@ std::vector<AlarmRecord> AlarmBook::unstored() const {
   return out;
 }
 
+std::vector<AlarmRecord> AlarmBook::outdated() const {
+  std::vector<AlarmRecord> out;
+  for (const auto& [key, one] : standing_)
+    if (one.unstored) out.push_back(one.alarm);
+  for (const auto& [id, alarm] : ended_) out.push_back(alarm);
+  return out;
+}
+
 Awaitable<Result<AlarmRecord>> AlarmBook::acknowledge(AlarmId id, std::string who) {
   const CellTime now = clock_.now().utc;
   auto stored = co_await writer_.alarms().acknowledge(id, now, who);
-  if (stored) watchers_.publish(*stored);
+  if (stored) *stored = publish(*stored);
   co_return stored;
 }
 
@@ -167,14 +233,14 @@ Awaitable<Result<AlarmRecord>> AlarmBook::shelve(AlarmId id, double for_s, std::
   const CellTime now = clock_.now().utc;
   AlarmShelf shelf{now, now + nanoseconds_from_s(for_s), std::move(who), std::move(reason)};
   auto stored = co_await writer_.alarms().shelve(id, std::move(shelf));
-  if (stored) watchers_.publish(*stored);
+  if (stored) *stored = publish(*stored);
   co_return stored;
 }
 
 Awaitable<Result<AlarmRecord>> AlarmBook::unshelve(AlarmId id) {
   const CellTime now = clock_.now().utc;
   auto stored = co_await writer_.alarms().unshelve(id, now);
-  if (stored) watchers_.publish(*stored);
+  if (stored) *stored = publish(*stored);
   co_return stored;
 }
 
@@ -184,7 +250,7 @@ Awaitable<void> AlarmBook::end_shelves() {
   next_shelf_look_ = now + kBetweenTellings;
   const auto back = co_await writer_.alarms().end_shelves(now);
   if (!back) co_return;
-  for (const auto& alarm : *back) watchers_.publish(alarm);
+  for (const auto& alarm : *back) publish(alarm);
 }
 
 }  // namespace driftwise::application

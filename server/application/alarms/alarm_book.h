@@ -44,8 +44,11 @@ class AlarmBook {
   std::vector<AlarmRecord> unjudged() const;
   // Raises what is new and clears what is over. What the store refuses (a full disk) is kept with
   // its beginning, and its end where it has one, and tried again at every look: the alarm of the
-  // full disk itself is over by the time that it can be written. One that returns meanwhile goes
-  // on. is_judged: asked of what unjudged() has and conditions do not; empty: all is judged.
+  // full disk itself is over by the time that it can be written. Watchers hear of a beginning, a
+  // change and an end when it is, not when it is stored: what the store does not have yet has id 0,
+  // and is the alarm of that kind, subject and beginning when it has one. A condition that returns
+  // after its end was told is another alarm. is_judged: asked of what unjudged() has and
+  // conditions do not; empty: all is judged.
   Awaitable<void> look(std::vector<AlarmCondition> conditions, IsJudged is_judged = {});
   // Something that happened and is over at once: stands until it is acknowledged. Each is an alarm
   // of its own, also where the store refuses several of one kind and subject.
@@ -58,25 +61,32 @@ class AlarmBook {
   Awaitable<void> end_shelves();
   // What the store has not taken yet, without an id: newest last.
   std::vector<AlarmRecord> unstored() const;
+  // Of those on record: whose change or end the store has not taken yet, as they are now.
+  std::vector<AlarmRecord> outdated() const;
 
   WatchList<AlarmRecord>& watchers() { return watchers_; }
 
  private:
   using Key = std::pair<std::string, std::string>;  // kind, subject
   struct Standing {
-    AlarmId id;
+    AlarmRecord alarm;
     int looks_without = 0;
-    std::string message = {};
-    std::vector<std::string> consequences = {};
     CellTime told = {};
-    std::optional<AlarmRecord> restored = {};  // of before the start, not judged since
+    bool restored = false;  // of before the start, not judged since
+    bool unstored = false;  // its message: the store has another one
   };
   struct Unstored {
     AlarmRecord alarm;
     int looks_without = 0;
+    CellTime told = {};
+    bool is_news = true;
   };
   AlarmRecord begun(const AlarmCondition& condition) const;
   Awaitable<Result<AlarmRecord>> store(AlarmRecord alarm);
+  bool keep(AlarmRecord over);  // until the store takes it; false: there are too many
+  AlarmRecord publish(AlarmRecord stored);
+  void publish_unstored();
+  Awaitable<void> store_ends();
   Awaitable<void> tell_what_changed(const std::vector<AlarmCondition>& conditions);
   Awaitable<void> store_what_waits(const std::set<Key>& found);
 
@@ -85,6 +95,7 @@ class AlarmBook {
   std::map<Key, Standing> standing_;
   std::map<Key, Unstored> unstored_;
   std::deque<AlarmRecord> unstored_notes_;  // over already, in their order
+  std::map<AlarmId, AlarmRecord> ended_;    // on record, their ends not
   WatchList<AlarmRecord> watchers_;
   CellTime next_shelf_look_;
 };

@@ -24,6 +24,9 @@ class Alarms {
   virtual Awaitable<Result<AlarmRecord>> shelve(Caller caller, AlarmId id, double for_s,
                                                 std::string reason) = 0;
   virtual Awaitable<Result<AlarmRecord>> unshelve(Caller caller, AlarmId id) = 0;
+  // Those that are otherwise than on record, or not on it (id 0), while it takes nothing: the
+  // newest, at most as many.
+  virtual std::vector<AlarmRecord> unwritten(std::size_t most) const = 0;
 };
 
 }  // namespace driftwise::application

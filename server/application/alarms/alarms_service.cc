@@ -61,13 +61,35 @@ void AlarmsService::note(AlarmCondition condition) {
 }
 
 Awaitable<Result<std::vector<AlarmRecord>>> AlarmsService::list(bool with_history, int limit) {
+  // While the disk is full these stand nowhere else. Asked before the record is: what is stored
+  // meanwhile is in both.
+  auto unstored = book_.unstored();
   auto alarms = co_await reader_.alarms().alarms(with_history, limit);
   if (!alarms) co_return alarms;
-  // While the disk is full these stand nowhere else.
-  for (auto& alarm : book_.unstored()) alarms->insert(alarms->begin(), std::move(alarm));
+  std::erase_if(unstored, [&](const AlarmRecord& one) {
+    return std::ranges::any_of(*alarms, [&](const AlarmRecord& stored) {
+      return stored.since == one.since && stored.kind == one.kind && stored.subject == one.subject;
+    });
+  });
+  for (auto& now : book_.outdated())
+    for (auto& alarm : *alarms)
+      if (alarm.id == now.id) alarm = now;
+  if (!with_history)
+    std::erase_if(*alarms, [](const AlarmRecord& alarm) {
+      return alarm.cleared.utc_ns != 0 && alarm.acknowledged.utc_ns != 0;
+    });
+  for (auto& alarm : unstored) alarms->insert(alarms->begin(), std::move(alarm));
   if (alarms->size() > static_cast<std::size_t>(std::max(limit, 0)))
     alarms->resize(static_cast<std::size_t>(std::max(limit, 0)));
   co_return alarms;
+}
+
+std::vector<AlarmRecord> AlarmsService::unwritten(std::size_t most) const {
+  auto out = book_.outdated();
+  auto unstored = book_.unstored();
+  out.insert(out.end(), std::move_iterator(unstored.begin()), std::move_iterator(unstored.end()));
+  if (out.size() > most) out.erase(out.begin(), out.end() - static_cast<std::ptrdiff_t>(most));
+  return out;
 }
 
 Awaitable<Result<AlarmRecord>> AlarmsService::acknowledge(Caller caller, AlarmId id) {

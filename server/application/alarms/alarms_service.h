@@ -55,6 +55,7 @@ class AlarmsService final : public Alarms {
   Awaitable<Result<AlarmRecord>> shelve(Caller caller, AlarmId id, double for_s,
                                         std::string reason) override;
   Awaitable<Result<AlarmRecord>> unshelve(Caller caller, AlarmId id) override;
+  std::vector<AlarmRecord> unwritten(std::size_t most) const override;
 
   void start();  // looks until shut_down()
   void shut_down();

@@ -45,6 +45,7 @@ Awaitable<LifeSign> LifeSigns::sign() {
     sign.alarms = std::ranges::count_if(*alarms, [](const AlarmRecord& alarm) {
       return alarm.acknowledged.utc_ns == 0 && alarm.shelved_until.utc_ns == 0;
     });
+  if (parts_.unstored) sign.alarms += std::ssize(parts_.unstored());
   const auto head = co_await parts_.reader.audit().head();
   if (head) sign.head = *head;
   co_return sign;

@@ -29,6 +29,7 @@ class LifeSigns {
     TaskGroup& tasks;
     Notifier* notifier = nullptr;
     asio::any_io_executor threads = {};
+    std::function<std::vector<AlarmRecord>()> unstored = {};  // alarms that are not on record yet
   };
   struct Rules {
     std::string cell, version;

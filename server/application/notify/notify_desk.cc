@@ -51,7 +51,9 @@ NotifyDesk::NotifyDesk(asio::any_io_executor executor, Parts parts, Rules rules,
     : executor_(executor),
       parts_(std::move(parts)),
       rules_(std::move(rules)),
-      signs_(executor, {parts_.clock, parts_.reader, parts_.tasks, parts_.notifier, parts_.threads},
+      signs_(executor,
+             {parts_.clock, parts_.reader, parts_.tasks, parts_.notifier, parts_.threads,
+              parts_.unstored},
              {rules_.cell, rules_.version, rules_.watchdog}, std::move(run)),
       wake_(executor) {
   for (const auto& one : rules_.receivers) {
@@ -77,6 +79,7 @@ void NotifyDesk::shut_down() {
 }
 
 void NotifyDesk::take(const AlarmRecord& alarm) {
+  if (alarm.id.value == 0) return wake_.raise();  // not stored yet: take_unstored() has it
   if (finished_.contains(alarm.id.value)) return;
   auto& known = known_[alarm.id.value];
   if (known.alarm.change > alarm.change) return;

@@ -92,7 +92,7 @@ std::vector<std::string> campaign_questions(const calibration::Model& model,
       }
   if (thermometers > 0 && followed == 0)
     questions.push_back(fmt::format(
-        "none of its terms reads a thermometer, and the cell has {} on the robot: what the robot "
+        "none of its terms reads a thermometer of the robot, and the cell has {}: what the robot "
         "does when it warms is neither in its targets nor in their uncertainty (fit with R)",
         thermometers));
   if (model.lineage.rows_validation == 0 && !judged_later)

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "driftwise/v1/access.pb.h"
+#include "server/access/bearer.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/call_context.h"
@@ -34,13 +35,11 @@ std::vector<std::string> properties(const grpc::AuthContext& context, const char
 }
 
 std::string bearer_of(const grpc::ServerContextBase& context) {
-  std::string_view text = metadata_value(context, "authorization");
-  constexpr std::string_view kScheme = "Bearer ";
-  if (text.empty()) return {};
+  const std::string_view header = metadata_value(context, "authorization");
+  if (header.empty()) return {};
   // Another scheme is a try with something that is no token.
-  if (!text.starts_with(kScheme)) return "?";
-  text.remove_prefix(kScheme.size());
-  return text.empty() ? "?" : std::string(text);
+  const std::string_view token = access::bearer_in(header);
+  return token.empty() ? "?" : std::string(token);
 }
 
 access::Evidence evidence_of(const grpc::ServerContextBase& context) {

@@ -41,6 +41,7 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
     add_states(*tick, response);
     add_records(*tick, response);
     if (end_) return std::nullopt;
+    add_alarms(*tick, response);
     if (response.events().empty() && now < heartbeat_due_) return wait_until(heartbeat_due_);
     not_before_ = now + interval_;
     heartbeat_due_ = now + kHeartbeat;
@@ -103,6 +104,14 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
     }
   }
 
+  // Behind the records, which may say what was before.
+  void add_alarms(const WatchTick& tick, v1::WatchResponse& out) {
+    if (!wants(v1::TOPIC_ALARMS) || *at_ != tick.head.records || tick.alarms_number <= alarms_sent_)
+      return;
+    for (const auto& alarm : tick.alarms) *out.add_events() = alarm;
+    alarms_sent_ = tick.alarms_number;
+  }
+
   void add_records(const WatchTick& tick, v1::WatchResponse& out) {
     while (*at_ != tick.head.records && out.events_size() < kMostEvents) {
       auto chunk = fetched_ && fetched_->from == *at_ ? std::exchange(fetched_, nullptr)
@@ -139,7 +148,7 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
   std::shared_ptr<const WatchChunk> fetched_;
   bool fetching_ = false;
   std::int64_t layout_sent_ = 0, values_sent_ = 0, cell_sent_ = 0, progress_sent_ = 0,
-               jobs_sent_ = 0;
+               jobs_sent_ = 0, alarms_sent_ = 0;
   JobsTold jobs_told_;
   std::function<void()> wake_;
   std::optional<Result<void>> end_;

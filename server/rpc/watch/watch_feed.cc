@@ -8,6 +8,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "server/application/alarms/alarms.h"
 #include "server/application/diagnoses/diagnoses.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_reader.h"
@@ -30,6 +31,7 @@ constexpr auto kLookEvery = std::chrono::milliseconds(50);
 constexpr auto kCellEvery = std::chrono::seconds(1);
 constexpr auto kAfterABug = std::chrono::seconds(1);
 constexpr int kPageRecords = 500;
+constexpr std::size_t kMostAlarms = 500;  // as a list of alarms
 constexpr std::size_t kEventsKept = 20'000;
 
 WatchChunk chunk_of(const RecordCursor& from, const RecordPage& page) {
@@ -122,6 +124,8 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
       co_await std::move(reading);
     }
     news.head = self->head_;
+    // After the record was read: what it has by then is not told as missing there.
+    if (news.cell) news.alarms = self->cell_.alarms.unwritten(kMostAlarms);
     if (news.values || news.cell || news.progress || news.jobs || !news.pages.empty())
       self->send(std::move(news));
   }
@@ -258,6 +262,14 @@ void WatchFeed::take_states(const News& news, WatchTick& tick) {
     tick.cell = status_from(status);
     tick.cell.clear_values();
     ++tick.cell_number;
+    std::vector<v1::WatchEvent> alarms;
+    for (const auto& alarm : news.alarms)
+      *alarms.emplace_back().mutable_alarm() = alarm_from(alarm);
+    if (!std::ranges::equal(alarms, tick.alarms, {}, &v1::WatchEvent::SerializeAsString,
+                            &v1::WatchEvent::SerializeAsString)) {
+      tick.alarms = std::move(alarms);
+      ++tick.alarms_number;
+    }
   }
   if (news.progress) {
     tick.progress = status.run ? std::optional(progress_from(*status.run)) : std::nullopt;

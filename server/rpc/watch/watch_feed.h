@@ -29,8 +29,10 @@ struct WatchTick {  // states; each with a number that grows when it is news
   v1::ValuesUpdate values;
   v1::GetStatusResponse cell;  // without values
   std::optional<v1::RunProgress> progress;
-  std::vector<v1::WatchEvent> jobs;  // diagnoses and improvements under way
-  std::int64_t values_number = 0, cell_number = 0, progress_number = 0, jobs_number = 0;
+  std::vector<v1::WatchEvent> jobs;    // diagnoses and improvements under way
+  std::vector<v1::WatchEvent> alarms;  // that are not so on record, while it takes nothing
+  std::int64_t alarms_number = 0, values_number = 0, cell_number = 0, progress_number = 0,
+               jobs_number = 0;
   CellTime cell_time;
   WatchCursor head;  // the newest records there are
 };
@@ -68,6 +70,7 @@ class WatchFeed : public std::enable_shared_from_this<WatchFeed> {
     bool values = false, cell = false, progress = false, jobs = false;
     std::vector<application::DiagnosisProgress> diagnoses;  // under way, when there is news of jobs
     std::vector<application::ImprovementProgress> improvements;
+    std::vector<AlarmRecord> alarms;  // that are not so on record
     RecordHead head;
     std::vector<std::pair<RecordCursor, RecordPage>> pages;  // each with where it begins
   };

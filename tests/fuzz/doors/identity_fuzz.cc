@@ -16,9 +16,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (parts && access::token_text(*parts) != text) std::abort();
   if (!parts && parts.error().reason.empty()) std::abort();
   if (!parts && size > 16 && parts.error().message.find(text) != std::string::npos) std::abort();
-  if (const auto role = access::role_from_uri(text); role && access::role_uri(*role) != text)
+  if (const auto role = access::role_from_uri(text);
+      role && std::string(access::kRoleUri) + std::string(access::to_string(*role)) != text)
     std::abort();
-  if (const auto role = access::role_named(text); role && access::to_string(*role) != text)
+  if (const auto role = access::role_from(text); role && access::to_string(*role) != text)
     std::abort();
   const auto item = metadata_item_from(text);
   if (!item && item.error().reason.empty()) std::abort();

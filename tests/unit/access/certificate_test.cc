@@ -53,6 +53,23 @@ TEST_F(CertificateTest, TellsItsNamesAndItsEnd) {
   EXPECT_NEAR(static_cast<double>(facts->not_after_utc_s - now_utc_s()), 100.0 * kDay, 60.0);
 }
 
+// X.509 lets a name be a BMPString, two bytes a letter (RFC 5280, 4.1.2.4); Windows makes such.
+TEST_F(CertificateTest, ReadsANameInWhateverEncodingItHas) {
+  const auto made = tests::run_process(
+      {"/bin/sh", "-c",
+       "printf '[req]\\ndistinguished_name=dn\\nstring_mask=MASK:0x800\\nutf8=yes\\nprompt=no\\n"
+       "[dn]\\nCN=M\303\274ller\\n' > \"$1/bmp.cnf\" && /usr/bin/openssl req -x509 -newkey ec "
+       "-pkeyopt ec_paramgen_curve:P-256 -nodes -config \"$1/bmp.cnf\" -keyout \"$1/bmp.key\" "
+       "-out \"$1/bmp.pem\" -days 100 && /usr/bin/openssl asn1parse -in \"$1/bmp.pem\"",
+       "sh", folder.path()});
+  ASSERT_EQ(made.code, 0) << made.err;
+  ASSERT_THAT(made.out, HasSubstr("BMPSTRING")) << "openssl chose another encoding";
+  const auto facts = read_certificate(pem("bmp"));
+  ASSERT_TRUE(facts) << facts.error().message;
+  EXPECT_EQ(facts->subject, "M\xC3\xBCller");
+  EXPECT_EQ(facts->issuer, "M\xC3\xBCller");
+}
+
 TEST_F(CertificateTest, WarnsThirtyDaysAheadAndAfterTheEnd) {
   const auto facts = *read_certificate(pem("one"));
   const auto warning = [&](std::int64_t before_s) {

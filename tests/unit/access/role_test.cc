@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace driftwise::access {
 namespace {
 
@@ -14,9 +16,9 @@ TEST(Role, IncludesThoseBelowIt) {
 TEST(Role, HasANameAndAUriThatReadBack) {
   for (const Role role : kRoles) {
     EXPECT_EQ(role_from(to_string(role)), role);
-    EXPECT_EQ(role_from_uri(role_uri(role)), role);
+    EXPECT_EQ(role_from_uri("driftwise:role/" + std::string(to_string(role))), role);
   }
-  EXPECT_EQ(role_uri(Role::operator_), "driftwise:role/operator");
+  EXPECT_EQ(role_from_uri("driftwise:role/operator"), Role::operator_);
 }
 
 TEST(Role, IsNoOtherText) {
@@ -26,7 +28,6 @@ TEST(Role, IsNoOtherText) {
        {"", "admin", "driftwise:role/", "driftwise:role/Admin", "DRIFTWISE:role/admin",
         "https://x/driftwise:role/admin", "driftwise:role/admin/viewer", "driftwise:role//admin"})
     EXPECT_EQ(role_from_uri(uri), std::nullopt) << uri;
-  EXPECT_EQ(role_named("root").error().reason, "BAD_ROLE");
 }
 
 TEST(Role, IsNotReadFromAUriWithAZeroByteInIt) {

@@ -4,20 +4,22 @@
 
 #include <set>
 
+#include "server/access/bearer.h"
+
 namespace driftwise::access {
 namespace {
 
 // RFC 7914, section 12; the first 32 bytes of its 64.
 TEST(Token, IsHashedByTheScryptOfTheStandard) {
-  EXPECT_EQ(to_hex(*scrypt_of("", "", {16, 1, 1})),
+  EXPECT_EQ(digest::hex_from(*scrypt_of("", "", {16, 1, 1})),
             "77d6576238657b203b19ca42c18a0497f16b4844e3074ae8dfdffa3fede21442");
-  EXPECT_EQ(to_hex(*scrypt_of("password", "NaCl", {1024, 8, 16})),
+  EXPECT_EQ(digest::hex_from(*scrypt_of("password", "NaCl", {1024, 8, 16})),
             "fdbabe1c9d3472007856e7190d01e9fe7c6ad7cbc8237830e77376634b373162");
 }
 
 // FIPS 180-4, "abc".
 TEST(Token, IsRememberedByTheSha256OfTheStandard) {
-  EXPECT_EQ(to_hex(sha256("abc")),
+  EXPECT_EQ(digest::hex_from(sha256("abc")),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
@@ -26,6 +28,15 @@ TEST(Token, IsWrittenInTheBase64OfUrls) {
   EXPECT_EQ(base64url("foobar"), "Zm9vYmFy");
   EXPECT_EQ(base64url("foob"), "Zm9vYg");
   EXPECT_EQ(base64url("\xfb\xff\xfe"), "-__-");
+}
+
+// RFC 7235, 2.1: the scheme is compared without its case; its 4.2 lets the token follow blanks.
+TEST(Token, StandsBehindItsSchemeInAnyCase) {
+  for (const char* header : {"Bearer dwt_a_b", "bearer dwt_a_b", "BEARER  dwt_a_b"})
+    EXPECT_EQ(bearer_in(header), "dwt_a_b") << header;
+  for (const char* header : {"", "Basic dwt_a_b", "Bearer", "Bearer ", "Bearerdwt_a_b", "Bear"})
+    EXPECT_EQ(bearer_in(header), "") << header;
+  EXPECT_EQ(bearer_in("Bearer " + std::string(5000, 'x')).size(), 256U);
 }
 
 TEST(Token, ReadsBackItsParts) {

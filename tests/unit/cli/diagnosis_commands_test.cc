@@ -56,6 +56,15 @@ class DiagnosisCommands : public CliTest {
   FakeExtensions extensions{cell};
 };
 
+TEST_F(DiagnosisCommands, ListWrongRowsWithoutAChannel) {
+  auto found = a_lag();
+  dx::Finding rows;
+  rows.cause = "outliers";
+  found.findings.insert(found.findings.begin(), rows);
+  add(found);
+  EXPECT_THAT(run({"diagnosis", "list"}).out, HasSubstr("outliers, thermal_lag t07"));
+}
+
 TEST_F(DiagnosisCommands, NameACauseThatCannotBeTestedOnce) {
   auto found = a_lag();
   found.not_testable = {{"cyclic_error", "x is visited at 3 places"},
@@ -157,6 +166,23 @@ TEST_F(DiagnosedAtTheDaemon, DiagnoseARunWaitsForItsEnd) {
   EXPECT_THAT(said.out, HasSubstr("diagnosis 1: done"));
   EXPECT_EQ(cell.on_executor([this] { return left_out; }), std::vector<std::string>{"t03"});
   EXPECT_EQ(json({"diagnosis", "show", "1"})["diagnosis"]["run_ids"], nlohmann::json({1}));
+}
+
+// Each is read from a file alone: of runs the daemon would go on without it.
+TEST_F(DiagnosisCommands, OfRunsRefuseWhatOnlyAFileTakes) {
+  for (const auto& [option, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--report", "out.html"},
+                                                        {"--separating", "plan.csv"},
+                                                        {"--robot-out", "robot.toml"},
+                                                        {"--nulls", "50"},
+                                                        {"--most", "2"},
+                                                        {"--budget", "3"},
+                                                        {"--threads", "2"}}) {
+    const auto said = run({"diagnose", "--run", "3", "--baseline", "q ~ x", option, value});
+    EXPECT_EQ(said.exit, 2) << option;
+    EXPECT_THAT(said.err, HasSubstr(option + " goes with a file")) << option;
+    EXPECT_THAT(said.err, HasSubstr("driftwise data export")) << option;
+  }
 }
 
 TEST_F(DiagnosisCommands, RefuseWhatMeansNothing) {

@@ -93,6 +93,29 @@ TEST_F(LivePictureTest, AnAlarmStandsUntilItIsOver) {
   EXPECT_THAT(screen(), Not(HasSubstr("laser-x")));
 }
 
+// While the record takes nothing none of them has a number.
+TEST_F(LivePictureTest, AlarmsThatAreNotOnRecordAreToldApart) {
+  const auto heard = [this](std::int64_t id, const char* subject, bool over) {
+    v1::WatchResponse batch;
+    auto& alarm = *batch.add_events()->mutable_alarm();
+    alarm.set_id(id);
+    alarm.set_kind("device.lost");
+    alarm.set_subject(subject);
+    alarm.set_message(std::string(subject) + " does not answer");
+    alarm.mutable_since_time()->set_seconds(1);
+    if (over) alarm.mutable_cleared_time()->set_seconds(2);
+    picture.take(batch);
+  };
+  heard(0, "laser-x", false);
+  heard(0, "laser-y", false);
+  EXPECT_THAT(screen(), HasSubstr("▲ laser-x does not answer"));
+  EXPECT_THAT(screen(), HasSubstr("▲ laser-y does not answer"));
+  heard(7, "laser-x", false);  // on record by now
+  heard(7, "laser-x", true);
+  EXPECT_THAT(screen(), Not(HasSubstr("laser-x")));
+  EXPECT_THAT(screen(), HasSubstr("▲ laser-y does not answer"));
+}
+
 TEST_F(LivePictureTest, NeverDrawsBeyondTheWindow) {
   v1::WatchResponse batch;
   batch.add_events()->mutable_cell()->add_attention(std::string(300, 'a') + "ü");

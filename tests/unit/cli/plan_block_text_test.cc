@@ -27,6 +27,17 @@ TEST(PlanBlockText, GivesOneRangeToAllCoordinatesOrEachItsOwn) {
   EXPECT_EQ(scattered->seed, 7u);
 }
 
+TEST(PlanBlockText, NamesTheAxesOfOneOfSeveralRobots) {
+  const auto axes = coordinates_from("ma.q1,ma.q2");
+  ASSERT_TRUE(axes) << axes.error().message;
+  const auto block = plan_block_from("calibration ma.q1=0:2.5:0.5 ma.q2=0:1:0.5", *axes);
+  ASSERT_TRUE(block) << block.error().message;
+  EXPECT_EQ(block->ranges[0].to_mm, 2.5);
+  EXPECT_EQ(block->ranges[1].to_mm, 1);
+  EXPECT_FALSE(plan_block_from("calibration q1=0:2.5:0.5 ma.q2=0:1:0.5", *axes))
+      << "without the robot's id it is no axis of this plan";
+}
+
 TEST(PlanBlockText, NamesTheWordThatItDoesNotUnderstand) {
   for (const char* bad :
        {"", "calibration", "calibraton 0:1:1", "0:1:x", "0-1", "q1=0:1:1", "0:1:1 force=heavy",
@@ -43,6 +54,10 @@ TEST(PlanBlockText, ReadsCoordinates) {
   const auto axes = coordinates_from("x,y,z");
   ASSERT_TRUE(axes);
   EXPECT_EQ((*axes)[2].name(), "z_mm");
+  const auto of_one_robot = coordinates_from("ma.q1,ma.q2");
+  ASSERT_TRUE(of_one_robot) << of_one_robot.error().message;
+  EXPECT_EQ((*of_one_robot)[1].name(), "ma.q2_mm");
+  EXPECT_FALSE(coordinates_from("ma.,q1"));
   EXPECT_FALSE(coordinates_from(""));
   EXPECT_FALSE(coordinates_from("1"));
 }

@@ -50,6 +50,15 @@ TEST_F(RunCommandsTest, ADryRunStartsNothing) {
       << "the daemon says what the start would be refused for";
 }
 
+TEST_F(RunCommandsTest, ADryRunNamesTheDevicesThatDoNotAnswer) {
+  EXPECT_THAT(run({"run", "start", trajectory(), "--dry-run"}).err,
+              testing::Not(HasSubstr("does not answer")));
+  cell.on_executor([&] { cell.world.laser_away = true; });
+  const auto outcome = run({"run", "start", trajectory(), "--dry-run"});
+  EXPECT_EQ(outcome.exit, 0) << "the plan is good";
+  EXPECT_THAT(outcome.err, HasSubstr("warning: device 'laser-x' at 127.0.0.1:1 does not answer"));
+}
+
 TEST_F(RunCommandsTest, PassesOnWhatTheRunIsToBe) {
   json({"run", "start", trajectory(), "--name", "n", "--compensate", "--model", "4", "--readings",
         "6"});

@@ -125,6 +125,24 @@ TEST_F(ThreeAxes, GetTheSameTargetByCommandLineAndGrpc) {
   }
 }
 
+// A motor coordinate of such a robot stands beside no coordinate of the pose.
+TEST_F(ThreeAxes, ShowTheCorrectionThatTheDaemonTells) {
+  const auto shown = json(words("target"))["coordinates"];
+  const auto page = run(words("target")).out;
+  EXPECT_THAT(page, HasSubstr("correction nm"));
+  for (const auto& one : shown) {
+    const auto position = fmt::format("{:.7f}", one["position_mm"].get<double>());
+    const auto from = page.find(position);
+    ASSERT_NE(from, std::string::npos) << page;
+    const auto cells = page.substr(from + position.size(), page.find('\n', from) - from);
+    const auto at = cells.find_first_not_of(' ');
+    const auto correction = cells.substr(at, cells.find(' ', at) - at);
+    EXPECT_EQ(correction, one.contains("correction_nm") && !one["correction_nm"].is_null()
+                              ? fmt::format("{:+.1f}", one["correction_nm"].get<double>())
+                              : "-");
+  }
+}
+
 TEST_F(ThreeAxes, GetTheSameTargetByTextLine) {
   const auto request = formats::parse_target_line(
       "TARGET x_mm=1.2345678 y_mm=0.3456789 z_mm=2.4567891 force_N=0.3924 u=1");

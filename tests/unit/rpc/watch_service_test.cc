@@ -248,6 +248,74 @@ TEST_F(WatchServiceTest, AlarmsAreListedAndAcknowledgedOneByOne) {
               FailsWith(ErrorCode::not_found, "NO_SUCH_ALARM"));
 }
 
+class FullDiskTest : public WatchServiceTest {
+ protected:
+  FullDiskTest() { fakes.alarms = &alarms; }
+  static AlarmRecord lost(CellTime cleared = {}) {
+    AlarmRecord alarm;
+    alarm.level = AlarmLevel::failed;
+    alarm.kind = "device.lost";
+    alarm.subject = "laser-x";
+    alarm.message = "it is gone";
+    alarm.since = {6};
+    alarm.cleared = cleared;
+    return alarm;
+  }
+  void now_missing(std::vector<AlarmRecord> missing) {
+    cell.on_executor([&] { alarms.missing = std::move(missing); });
+  }
+  // The next alarm of this stream.
+  static v1::Alarm next_of(grpc::ClientReader<v1::WatchResponse>& reader) {
+    v1::WatchResponse batch;
+    while (reader.Read(&batch))
+      for (const auto& event : batch.events())
+        if (event.has_alarm()) return event.alarm();
+    ADD_FAILURE() << "the stream ended";
+    return {};
+  }
+  FakeAlarms alarms;
+};
+
+TEST_F(FullDiskTest, AnAlarmThatIsNotOnRecordIsToldToThoseWhoWatchAndToThoseWhoComeMeanwhile) {
+  WatchStub stub(channel);
+  Call first_call, second_call;
+  const auto first = stub.Watch(&first_call, v1::WatchRequest{});
+  v1::WatchResponse batch;
+  ASSERT_TRUE(first->Read(&batch));
+  now_missing({lost()});
+  const auto told = next_of(*first);
+  EXPECT_EQ(told.id(), 0);
+  EXPECT_EQ(told.subject(), "laser-x");
+  const auto second = stub.Watch(&second_call, v1::WatchRequest{});
+  EXPECT_EQ(next_of(*second).SerializeAsString(), told.SerializeAsString());
+  now_missing({lost({7})});
+  for (auto* reader : {first.get(), second.get()})
+    EXPECT_TRUE(next_of(*reader).has_cleared_time()) << "it is over";
+  first_call.TryCancel();
+  second_call.TryCancel();
+}
+
+// A client goes by what it reads last.
+TEST_F(FullDiskTest, WhatIsNewerThanTheRecordIsToldBehindIt) {
+  const std::string cursor = cursor_now();
+  AlarmRecord stored = cell.on_store([](Store& store) { return *store.alarms().raise(lost()); });
+  cell.on_executor([&] { feeds.records.publish(); });
+  stored.cleared = {7};
+  now_missing({stored});
+  Call call;
+  WatchStub stub(channel);
+  v1::WatchRequest request;
+  request.set_cursor(cursor);
+  const auto reader = stub.Watch(&call, request);
+  std::vector<bool> over;
+  v1::WatchResponse batch;
+  while (over.size() < 2 && reader->Read(&batch))
+    for (const auto& event : batch.events())
+      if (event.has_alarm()) over.push_back(event.alarm().has_cleared_time());
+  EXPECT_THAT(over, testing::ElementsAre(false, true));
+  call.TryCancel();
+}
+
 TEST_F(WatchServiceTest, AShelfKeepsItsReasonAsOneLineOfBoundedLength) {
   const AlarmId stale = cell.on_store([](Store& store) {
     AlarmRecord alarm;

@@ -62,7 +62,8 @@ ExitCode list_alarms(const Session& session, bool all) {
   }
   const Paint paint = session.console.paint_out();
   for (const auto& alarm : response.alarms()) {
-    session.console.out << alarm.id() << "  " << level_word(paint, alarm.level()) << "  "
+    session.console.out << (alarm.id() == 0 ? "-" : std::to_string(alarm.id())) << "  "
+                        << level_word(paint, alarm.level()) << "  "
                         << priority_word(alarm.priority()) << "  " << utc_text(alarm.since_time())
                         << "  " << alarm.kind() << "  " << standing_of(alarm) << "\n    "
                         << with_subject(alarm.subject(), alarm.message()) << '\n';
@@ -234,7 +235,13 @@ void add_alarm_commands(CLI::App& app, Session& session) {
   // CLI11 calls the parent's action last: all are the same one.
   const auto add = [&](const char* name, const char* what, Act which) -> CLI::App& {
     CLI::App& command = add_command(alarms, session, name, what, act);
-    command.add_option("ALARM", a->id, "its number")->required()->check(positive_number());
+    command.add_option("ALARM", a->id, "its number")
+        ->required()
+        ->check(number_that(
+            [](double value) { return value > 0 && value - value == 0; },
+            "a number above 0 (an alarm with - in its place is not on record yet: it can "
+            "be answered once the record takes it)",
+            "POSITIVE"));
     command.parse_complete_callback([a, which] { a->act = which; });
     return command;
   };

@@ -131,11 +131,23 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   throw Failure{ExitCode::usage, "usage", "USAGE", message};
 }
 
-ExitCode diagnose_any(const Session& session, const DiagnoseArguments& a) {
+// What the daemon's diagnosis of runs does not read would be dropped without a word.
+void refuse_file_options(const CLI::App& command) {
+  for (const char* name :
+       {"--report", "--separating", "--robot-out", "--nulls", "--most", "--budget", "--threads"})
+    if (command.count(name) > 0)
+      misused(std::string(name) +
+              " goes with a file, and the daemon diagnoses runs: leave it out and write what was "
+              "found by driftwise diagnosis export N -o FILE, or export the runs first (driftwise "
+              "data export)");
+}
+
+ExitCode diagnose_any(const Session& session, const DiagnoseArguments& a, const CLI::App& command) {
   if (a.file.empty() == a.runs.empty())
     misused("give a file or runs, one of the two: driftwise diagnose FILE.csv, or --run 3");
   if (!a.runs.empty() && !a.kinematics.empty())
     misused("--kinematics goes with a file: export the runs first (driftwise data export)");
+  if (!a.runs.empty()) refuse_file_options(command);
   if (!a.runs.empty())
     return diagnose_runs(
         session, {a.runs, a.model, a.baseline, a.name, a.alpha, a.seed, a.without, a.robot});
@@ -149,9 +161,9 @@ ExitCode diagnose_any(const Session& session, const DiagnoseArguments& a) {
 
 void add_diagnose_command(CLI::App& app, Session& session) {
   auto a = std::make_shared<DiagnoseArguments>();
-  CLI::App& command =
-      add_command(app, session, "diagnose", "What the simulation gets wrong in these data, and why",
-                  [&session, a] { return diagnose_any(session, *a); });
+  CLI::App& command = add_command(
+      app, session, "diagnose", "What the simulation gets wrong in these data, and why",
+      [&session, a, &app] { return diagnose_any(session, *a, *app.get_subcommand("diagnose")); });
   command.add_option("FILE", a->file, "dataset CSV, - for standard input");
   command
       .add_option("--run", a->runs, "these runs instead, such as 3,4: the daemon diagnoses them")

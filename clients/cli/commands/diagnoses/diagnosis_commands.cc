@@ -98,7 +98,7 @@ ExitCode list(const Session& session) {
     for (const auto run : one.run_ids()) of += (of.empty() ? "run " : ", ") + std::to_string(run);
     std::string found;
     for (const auto& finding : one.findings())
-      found += (found.empty() ? "" : ", ") + finding.cause() + " " + finding.subject();
+      found += (found.empty() ? "" : ", ") + cause_of(finding);
     if (one.state() == v1::Diagnosis::STATE_RUNNING) found = "running";
     if (one.state() == v1::Diagnosis::STATE_CANCELLED) found = "cancelled";
     if (one.state() == v1::Diagnosis::STATE_FAILED) found = "failed: " + one.reason();

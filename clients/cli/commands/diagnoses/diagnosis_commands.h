@@ -24,6 +24,9 @@ struct DiagnoseRunArguments {
 };
 ExitCode diagnose_runs(const Session& session, const DiagnoseRunArguments& a);
 
+// "thermal_lag t07"; of wrong rows, which are of no channel: "outliers".
+std::string cause_of(const v1::Finding& finding);
+
 // The page for people.
 void print_diagnosis(const Console& console, const v1::Diagnosis& diagnosis);
 

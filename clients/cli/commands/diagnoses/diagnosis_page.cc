@@ -69,8 +69,7 @@ void print_outputs(const Console& console, const v1::Diagnosis& diagnosis) {
 
 void print_finding(const Console& console, const v1::Finding& finding) {
   console.out << '\n'
-              << console.paint_out().bold(std::to_string(finding.number()) + "  " +
-                                          finding.cause() + " " + finding.subject())
+              << console.paint_out().bold(std::to_string(finding.number()) + "  " + cause_of(finding))
               << "  (applies to the " << finding.applies_to() << ", p "
               << significant(finding.p_adjusted(), 2) << ")\n   " << finding.sentence() << '\n';
   for (const auto& parameter : finding.parameters()) {
@@ -103,6 +102,10 @@ void print_extension(const Console& console, const v1::Extension& extension) {
 }
 
 }  // namespace
+
+std::string cause_of(const v1::Finding& finding) {
+  return finding.cause() + (finding.subject().empty() ? "" : " " + finding.subject());
+}
 
 void print_diagnosis(const Console& console, const v1::Diagnosis& diagnosis) {
   const Paint paint = console.paint_out();

@@ -10,6 +10,7 @@
 #include "clients/cli/core/validators.h"
 #include "clients/cli/pages/metadata_text.h"
 #include "clients/cli/pages/run_text.h"
+#include "driftwise/v1/cell_service.grpc.pb.h"
 
 namespace driftwise::cli {
 namespace {
@@ -48,6 +49,17 @@ v1::CreateRunRequest request_from(const StartArguments& a, const std::string& te
   return request;
 }
 
+// The plan may be good all the same: a run begins, and waits for what does not answer.
+void warn_of_silent_devices(const Console& console, const Connection& connection) {
+  const auto status = connection.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
+  for (const auto& device : status.devices())
+    if (device.link() != v1::Device::LINK_CONNECTED)
+      console.err << console.paint_err().warn("warning: ") << "device '" << device.id() << "' at "
+                  << device.address() << " does not answer"
+                  << (device.last_error().empty() ? "" : " (" + device.last_error() + ")")
+                  << ": a run that needs it would wait for it; look at its power and its cable\n";
+}
+
 ExitCode start(const Session& session, const StartArguments& a) {
   const std::string text = read_input_file(a.file);
   const auto connection = session.connect();
@@ -57,6 +69,7 @@ ExitCode start(const Session& session, const StartArguments& a) {
     request.set_validate_only(true);
     connection.ask(&v1::RunService::Stub::CreateRun, request, 30.0);
     print_check(session.console, check, a.file);
+    warn_of_silent_devices(session.console, connection);
     if (!session.console.json) session.console.err << "dry run: nothing was started\n";
     return ExitCode::done;
   }

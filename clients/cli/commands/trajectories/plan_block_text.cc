@@ -104,7 +104,7 @@ Result<std::vector<Channel>> coordinates_from(const std::string& text) {
   std::vector<Channel> out;
   std::istringstream names(text);
   for (std::string name; std::getline(names, name, ',');) {
-    DRIFTWISE_TRY(auto channel, parse_channel(name + "_mm"));
+    DRIFTWISE_TRY(auto channel, parse_robot_channel(name + "_mm"));
     out.push_back(std::move(channel));
   }
   if (out.empty())

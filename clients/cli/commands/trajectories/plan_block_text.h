@@ -16,7 +16,8 @@ namespace driftwise::cli {
 // Errors, invalid_argument BAD_BLOCK: the word that was not understood and what was expected.
 Result<PlanBlock> plan_block_from(const std::string& text, const std::vector<Channel>& coordinates);
 
-// "q1,q2,q3" -> channels in mm. Errors, invalid_argument: BAD_CHANNEL.
+// "q1,q2,q3", or "ma.q1,ma.q2" in a cell of several robots -> channels in mm. Errors,
+// invalid_argument: BAD_CHANNEL.
 Result<std::vector<Channel>> coordinates_from(const std::string& text);
 
 }  // namespace driftwise::cli

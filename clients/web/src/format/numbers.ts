@@ -29,6 +29,18 @@ export function significant(value: number | undefined, figures = 2): string {
   return fixed(value, Math.max(0, figures - before));
 }
 
+// Digits that tell the two ends of a range apart: two of its span, no fewer than asked for, no more than nine.
+export function digitsOfRange(low: number, high: number, least = 0): number {
+  const span = Math.abs(high - low);
+  return span > 0 && Number.isFinite(span) ? Math.min(9, Math.max(least, 1 - Math.floor(Math.log10(span)))) : least;
+}
+
+// "0.001 to 0.004", "−12 to 43".
+export function rangeText(low: number, high: number, least = 0): string {
+  const digits = digitsOfRange(low, high, least);
+  return `${fixed(low, digits)} to ${fixed(high, digits)}`;
+}
+
 // 0.49998731 with 8 digits -> "0.499 987 31": results that are read aloud or copied by hand.
 export function grouped(value: number | undefined, digits: number): string {
   const [whole, fraction] = fixed(value, digits).split('.');
@@ -44,3 +56,9 @@ export function probability(p: number | undefined): string {
 }
 
 export const count = (n: bigint | number | undefined): string => fixed(n === undefined ? undefined : Number(n), 0);
+
+// "1 row", "12 rows".
+export const countRows = (n: bigint | number | undefined): string => `${count(n)} ${Number(n) === 1 ? 'row' : 'rows'}`;
+
+// "row 4", "rows 4 to 9".
+export const rowSpan = (first: bigint | number, last: bigint | number): string => (first === last ? `row ${count(first)}` : `rows ${count(first)} to ${count(last)}`);

@@ -1,7 +1,7 @@
 // Sound and browser notification of a new alarm, on every view once somebody has switched them on. A browser plays sound only after a click on the page, so that sound is off again after a reload.
 import { effect, signal } from '@preact/signals';
 import { Alarm_Priority, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
-import { arrived, levelWords } from './alarms';
+import { alarmKey, arrived, levelWords } from './alarms';
 
 export const sound = signal(false);
 export const notices = signal(false);
@@ -48,5 +48,5 @@ effect(() => {
   if (!alarm || alarm === last) return;
   last = alarm;
   if (sound.peek()) play(alarm);
-  if (notices.peek()) new Notification(`${levelWords[alarm.level]}: ${alarm.subject}`, { body: alarm.message, tag: `alarm-${alarm.id}`, renotify: true } as NotificationOptions);
+  if (notices.peek()) new Notification(`${levelWords[alarm.level]}: ${alarm.subject}`, { body: alarm.message, tag: `alarm-${alarmKey(alarm)}`, renotify: true } as NotificationOptions);
 });

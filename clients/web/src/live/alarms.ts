@@ -21,9 +21,16 @@ export const standing = signal<Asked<Alarm[]> | undefined>(undefined);
 // The newest alarm that began to need a person while the page was open: app/live_region.tsx says it, live/alarm_signals.ts sounds it.
 export const arrived = signal<Alarm | undefined>(undefined);
 
+// While the record takes nothing an alarm has no number yet: it is known by what it is of and since when, also once it has one.
+const occurrence = (alarm: Alarm): string => `${alarm.kind} ${alarm.subject} ${alarm.sinceTime?.seconds} ${alarm.sinceTime?.nanos}`;
+export const isOnRecord = (alarm: Alarm): boolean => alarm.id !== 0n;
+export const alarmKey = (alarm: Alarm): string => (isOnRecord(alarm) ? String(alarm.id) : occurrence(alarm));
+const isSame = (a: Alarm, b: Alarm): boolean => (isOnRecord(a) && isOnRecord(b) ? a.id === b.id : occurrence(a) === occurrence(b));
+
 const inOrder = (a: Alarm, b: Alarm): number =>
   Number(a.shelvedUntilTime !== undefined) - Number(b.shelvedUntilTime !== undefined) ||
-  Number(a.clearedTime !== undefined) - Number(b.clearedTime !== undefined) || b.priority - a.priority || b.level - a.level || Number(b.id - a.id);
+  Number(a.clearedTime !== undefined) - Number(b.clearedTime !== undefined) || b.priority - a.priority || b.level - a.level ||
+  Number(isOnRecord(a)) - Number(isOnRecord(b)) || Number(b.id - a.id);
 
 export const stands = (alarm: Alarm): boolean => alarm.clearedTime === undefined || alarm.acknowledgeTime === undefined;
 
@@ -40,15 +47,19 @@ export function useAlarms(): Asked<Alarm[]> {
   useEvents('alarm', (alarm) => {
     let told = false;
     asked.set((old) => {
-      if (!told && beginsToNeed(alarm, old.find((one) => one.id === alarm.id))) {
+      if (!told && beginsToNeed(alarm, old.find((one) => isSame(one, alarm)))) {
         told = true;
         say(`${levelWords[alarm.level]}: ${alarm.message}`);
         arrived.value = alarm;
       }
-      return [alarm, ...old.filter((one) => one.id !== alarm.id)].filter(stands);
+      return [alarm, ...old.filter((one) => !isSame(one, alarm))].filter(stands);
     });
   });
   const live = connection.value.phase === 'live';
+  // Those without a number are known to the daemon alone: another one does not have them.
+  useEffect(() => {
+    if (live && asked.value?.some((alarm) => !isOnRecord(alarm))) asked.again();
+  }, [live]);
   useEffect(() => {
     if (!live || asked.failure === undefined || asked.waiting) return undefined;
     const timer = setTimeout(asked.again, askAgainMs);

@@ -1,6 +1,6 @@
 // Corrections that data rest on: of a run, or of the runs that a model was fitted from.
 import type { CorrectionMark } from '@/api/gen/driftwise/v1/provenance_pb';
-import { count, significant } from '@/format/numbers';
+import { countRows, significant } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
 import { splitChannel } from '@/format/units';
 import { Verdict } from '@/ui/verdict';
@@ -19,7 +19,7 @@ export function Rests({ marks, what }: { marks: readonly CorrectionMark[]; what:
             {mark.diagnosisId !== undefined && <> of <a href={`/diagnosis/${mark.diagnosisId}`}>diagnosis {String(mark.diagnosisId)}</a></>}
             {`, accepted ${dateClock(ms(mark.acceptTime))} by ${mark.acceptedBy || 'the daemon'}`}
             {mark.endTime && `, taken back ${dateClock(ms(mark.endTime))} by ${mark.endedBy || 'the daemon'}`}
-            {mark.changes.map((change) => `; ${splitChannel(change.channel).symbol} of run ${change.runId} by up to ${significant(change.largestNm, 3)} nm in ${count(change.rowCount)} rows`)}
+            {mark.changes.map((change) => `; ${splitChannel(change.channel).symbol} of run ${change.runId} by up to ${significant(change.largestNm, 3)} nm in ${countRows(change.rowCount)}`)}
           </span>
         </li>
       ))}

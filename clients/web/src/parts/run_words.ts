@@ -38,7 +38,7 @@ export function whereItIs(progress: RunProgress): string {
 export function troubles(run: Run): string {
   const again = Number(run.attemptCount - run.acceptedCount - run.givenUpCount);
   const parts = [`${again > 0 ? count(again) : 'none'} measured again`, `${run.givenUpCount > 0n ? count(run.givenUpCount) : 'none'} given up`];
-  if (run.restartCount > 0) parts.push(`${run.restartCount} restarts survived`);
+  if (run.restartCount > 0) parts.push(`${run.restartCount} ${Number(run.restartCount) === 1 ? 'restart' : 'restarts'} survived`);
   return parts.join(', ');
 }
 

@@ -18,9 +18,16 @@ export function zeroDrift(points: readonly Point[], startMs: number, lengths: re
   return driftOf(returns, lengths);
 }
 
-// By its name, or by the part that the cell file declares: a thermometer of the robot is none of the air.
-export const airOf = (channels: readonly string[]): string | undefined =>
-  channels.find((name) => name === 'air_degC') ?? channels.find((name) => /^air.*_degC$/.test(name)) ?? channels.find((name) => name.endsWith('_degC') && channel(name)?.column.part === 'air');
+// By its name, where the cell file declares no other part, or by the part that it declares: a thermometer of the robot is none of the
+// air, also where its name begins so.
+export const airOf = (channels: readonly string[]): string | undefined => {
+  const partOf = (name: string) => channel(name)?.column.part;
+  return (
+    channels.find((name) => name === 'air_degC') ??
+    channels.find((name) => /^air.*_degC$/.test(name) && (partOf(name) || 'air') === 'air') ??
+    channels.find((name) => name.endsWith('_degC') && partOf(name) === 'air')
+  );
+};
 
 export function zeroPlot(drift: ZeroDrift, startMs: number, air?: { name: string; x: ArrayLike<number>; y: ArrayLike<number> }): PlotSpec {
   const series: PlotSeries[] = drift.lengths.map((channel, i) => ({

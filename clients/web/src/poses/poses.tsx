@@ -2,7 +2,7 @@
 // only when something changed; the same shapes are written as SVG, the poses as CSV.
 import type { Signal } from '@preact/signals';
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
-import { fixed, significant } from '@/format/numbers';
+import { fixed, rangeText, significant } from '@/format/numbers';
 import { palette } from '@/plot/palette';
 import { Button } from '@/ui/button';
 import { download } from '@/ui/download';
@@ -154,7 +154,7 @@ function Legend({ scene }: { scene: PoseScene }) {
 function textOf(scene: PoseScene): string {
   const box = scene.axes
     .filter((axis) => axis.high > axis.low)
-    .map((axis) => `${axis.name} ${fixed(axis.low, 2)} to ${fixed(axis.high, 2)} ${axis.unit}`)
+    .map((axis) => `${axis.name} ${rangeText(axis.low, axis.high, 2)} ${axis.unit}`)
     .join(', ');
   return `${scene.poses.length} poses; box: ${scene.box}, ${box}`;
 }

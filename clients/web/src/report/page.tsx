@@ -1,7 +1,7 @@
 // The page of a run, from the data that stand in it.
 import { useSignal } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
-import { count, fixed, significant } from '@/format/numbers';
+import { count, countRows, fixed, significant } from '@/format/numbers';
 import { dateClock, duration } from '@/format/time';
 import { robotOf, splitChannel, unitSign } from '@/format/units';
 import { TimeMarks } from '@/plot/marks';
@@ -42,7 +42,7 @@ export function ReportPage({ report }: { report: Report }) {
           <dt>points</dt><dd>{count(run.accepted)} of {count(run.rows)} accepted, {count(run.given_up)} given up, {count(run.attempts)} attempts</dd>
           {run.metadata && Object.keys(run.metadata).length > 0 && <><dt>metadata</dt><dd>{Object.entries(run.metadata).map(([key, value]) => `${key}=${value}`).join(', ')}</dd></>}
           {run.compensation && <><dt>compensation</dt><dd>{run.compensation}</dd></>}
-          <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
+          <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${run.restarts === 1 ? 'once' : `${count(run.restarts)} times`}`}</dd>
           <dt>times in</dt><dd>UTC</dd>
           {report.certificates && report.certificates.length > 0 && <><dt>certificates</dt><dd>{report.certificates.map((one) => <div key={`${one.device} ${one.number}`}>{one.device}: {one.number}, {one.laboratory}, {one.date}{one.due && `, due ${one.due}${one.overdue ? ' (overdue)' : ''}`}</div>)}</dd></>}
           {report.record_head && <><dt>record</dt><dd>head of its chain <code class="hash">{report.record_head}</code>: <code>driftwise audit verify --head</code> finds a record written anew</dd></>}
@@ -56,7 +56,7 @@ export function ReportPage({ report }: { report: Report }) {
               <dt>rests on</dt>
               <dd>
                 correction {one.id}, in force since {at(one.since)}, accepted by {one.by}
-                {one.changes.map((change) => `; ${change.channel} by up to ${significant(change.largest_nm, 3)} nm in ${count(change.rows)} rows`)}. The points below are as they were measured.
+                {one.changes.map((change) => `; ${change.channel} by up to ${significant(change.largest_nm, 3)} nm in ${countRows(change.rows)}`)}. The points below are as they were measured.
               </dd>
             </>
           ))}

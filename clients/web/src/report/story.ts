@@ -1,5 +1,5 @@
 // The events of a report in order of time: from the queue, the alarms and the record of a report.
-import { count } from '@/format/numbers';
+import { count, countRows } from '@/format/numbers';
 import type { VerdictKind } from '@/ui/verdict';
 import type { Report } from './data';
 
@@ -39,7 +39,7 @@ export function storyOf(report: Report): StoryLine[] {
     const name = `queue entry ${entry.id} "${entry.name}"`;
     tell(entry.queued, 'idle', `${entry.by} queued ${name}${entry.condition && `, to start when ${entry.condition}`}`);
     tell(entry.begun, 'good', `${name} begins as run ${entry.run}`);
-    tell(entry.ended, entry.run_state === 'done' ? 'good' : 'bad', `run ${entry.run} of ${name} is ${entry.run_state ?? 'over'}: ${count(entry.accepted ?? 0)} of ${count(entry.rows ?? 0)} rows accepted, ${count(entry.given_up ?? 0)} given up`);
+    tell(entry.ended, entry.run_state === 'done' ? 'good' : 'bad', `run ${entry.run} of ${name} is ${entry.run_state ?? 'over'}: ${count(entry.accepted ?? 0)} of ${countRows(entry.rows ?? 0)} accepted, ${count(entry.given_up ?? 0)} given up`);
     for (const result of entry.results) tell(result.time, result.good ? 'good' : 'bad', `${name}: ${result.text}`);
   }
   if (!report.queue) {

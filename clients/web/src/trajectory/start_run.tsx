@@ -3,7 +3,7 @@ import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { withLease } from '@/app/lease';
 import { go } from '@/app/router';
-import { count } from '@/format/numbers';
+import { count, countRows } from '@/format/numbers';
 import { duration, secondsOf } from '@/format/time';
 import { progress } from '@/live/state';
 import { CommandButton } from '@/ui/button';
@@ -47,7 +47,7 @@ export function StartRun({ text, name, runName, compensate, onStarted, verb = 'S
         ['trajectory', `${name}: ${count(check.rowCount)} points, ${count(check.lineCount)} lines`],
         ['it moves', check.coordinates.join(', ') + (compensate ? ', to the targets of the model that serves' : '')],
         ...(setup ? [['set-up', `${setup}: only its instruments are read`] as const] : []),
-        ['soft limits', `${count(check.rowCount)} rows checked, all within`],
+        ['soft limits', `${countRows(check.rowCount)} checked, all within`],
         ['takes about', `${duration(seconds)}${check.estimatedBand ? ` (${bandText(check.estimatedBand)})` : ''}${estimatedEnd(seconds) && `; ready ${estimatedEnd(seconds)}`}`],
         ['weights', forces === '' ? 'none' : forces + byHand],
         ...(check.warnings.length ? [['remarks', `${check.warnings.length}: see the page`] as const] : []),

@@ -1,13 +1,14 @@
 // The list of alarms is had in the end, whatever became of the first question, and stands beside a later one that fails.
 import { create } from '@bufbuild/protobuf';
 import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, render, screen } from '@testing-library/preact';
+import { act, cleanup, configure, render, screen, waitFor } from '@testing-library/preact';
 import { afterEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
-import { Alarm_Level, AlarmSchema, WatchService } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { Alarm_Level, AlarmSchema, WatchEventSchema, WatchService, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { AlarmWatch } from '@/app/alarm_watch';
-import { standing } from '@/live/alarms';
+import { arrived, standing } from '@/live/alarms';
 import { connection } from '@/live/connection';
+import { announce } from '@/live/events';
 import { AlarmList, WallAlarms } from '@/views/now/alarm_list';
 import { at } from '../fake/cell';
 
@@ -32,6 +33,39 @@ it('asks on a live page until the list is there', async () => {
   expect(await screen.findByText(/Laser x does not answer/)).toBeTruthy();
   expect(screen.queryByRole('alert')).toBeNull();
   expect(document.title).toContain('Laser x does not answer.');
+});
+
+// A full disk: what begins has no number until the record takes it, and is told at once all the same.
+const tell = (one: Alarm) => act(() => announce(create(WatchEventSchema, { event: { case: 'alarm', value: one } })));
+const onFullDisk = (subject: string, more: { id?: bigint; clearedTime?: ReturnType<typeof at> } = {}): Alarm =>
+  create(AlarmSchema, { id: 0n, level: Alarm_Level.FAILED, kind: 'device.lost', subject, message: `${subject} does not answer.`, sinceTime: at(1), ...more });
+const lines = () => screen.queryAllByRole('listitem').map((line) => line.textContent);
+
+it('shows an alarm that is not on record once, until it is over, and lets nobody acknowledge it before', async () => {
+  let asked = 0;
+  useTransport(createRouterTransport(({ service }) => service(WatchService, { listAlarms: () => (++asked, { alarms: [] }) })));
+  connection.value = { phase: 'live' };
+  arrived.value = undefined;
+  render(<><AlarmWatch /><AlarmList /></>);
+  await waitFor(() => expect(standing.value?.value).toEqual([]));
+  tell(onFullDisk('laser-x'));
+  tell(onFullDisk('laser-y'));
+  await waitFor(() => expect(lines()).toHaveLength(2));
+  expect(screen.queryByRole('button', { name: /Acknowledge/ })).toBeNull();
+  expect(screen.getAllByText(/not on record yet/)).toHaveLength(2);
+  expect((arrived.value as Alarm | undefined)?.subject).toBe('laser-y');
+  tell(onFullDisk('laser-x', { id: 7n }));
+  await waitFor(() => expect(screen.getAllByRole('button', { name: /^Acknowledge: / })).toHaveLength(1));
+  expect(lines()).toHaveLength(2);
+  expect((arrived.value as Alarm | undefined)?.subject).toBe('laser-y'); // it is no new one
+  tell(onFullDisk('laser-y', { clearedTime: at(2) }));
+  await waitFor(() => expect(lines().find((line) => line?.includes('laser-y'))).toContain('over'));
+  expect(lines()).toHaveLength(2);
+  // Another daemon does not have what only the old one knew.
+  act(() => void (connection.value = { phase: 'lost', lastMs: undefined }));
+  act(() => void (connection.value = { phase: 'live' }));
+  await waitFor(() => expect(asked).toBe(2));
+  await waitFor(() => expect(lines()).toHaveLength(0));
 });
 
 it.each([['the list', AlarmList], ['the wall', WallAlarms]])('shows in %s what is known beside the question that failed', (_, List) => {

@@ -96,7 +96,7 @@ describe('positions', () => {
 });
 
 it('takes no motor coordinate for an optical channel, whichever robot it is of', () => {
-  expect(['q1_mm', 'mn.q1_mm', 'x_mm', 'mn.x_mm', 'mn.rx_arcsec', 'level_pct', 'mn.t01_degC'].filter(isOptical)).toEqual(['x_mm', 'mn.x_mm', 'mn.rx_arcsec', 'level_pct']);
+  expect(['q1_mm', 'mn.q1_mm', 'x_mm', 'mn.x_mm', 'mn.rx_arcsec', 'level_pct', 'level_y_pct', 'support_power_pct', 'mn.t01_degC'].filter(isOptical)).toEqual(['x_mm', 'mn.x_mm', 'mn.rx_arcsec', 'level_pct', 'level_y_pct']);
 });
 
 describe('a held button', () => {

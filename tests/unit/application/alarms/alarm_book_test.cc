@@ -238,19 +238,49 @@ TEST_F(AlarmBookTest, WhatIsOverAtOnceStandsUntilSomebodyHasSeenIt) {
   EXPECT_THAT(standing(), IsEmpty());
 }
 
-TEST_F(AlarmBookTest, AFullDiskDelaysAnAlarmAndLosesNone) {
+TEST_F(AlarmBookTest, AFullDiskDelaysTheRecordAndNotTheTelling) {
   store->disk.full = true;
   look({lost("laser-x")});
-  EXPECT_THAT(heard, IsEmpty());
+  ASSERT_EQ(heard.size(), 1u) << "at once";
+  EXPECT_EQ(heard[0].id.value, 0);
+  look({lost("laser-x")});
+  EXPECT_EQ(heard.size(), 1u) << "and once";
   store->disk.full = false;
   look({lost("laser-x")});
   ASSERT_EQ(standing().size(), 1u);
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_EQ(heard[1].id, standing()[0].id) << "with its number";
+  EXPECT_EQ(heard[1].since, heard[0].since) << "by which it is known";
   store->disk.full = true;
   for (int i = 0; i < 5; ++i) look({});
   EXPECT_EQ(standing()[0].cleared.utc_ns, 0) << "its end could not be written";
+  ASSERT_EQ(heard.size(), 3u) << "and is told all the same, once";
+  EXPECT_NE(heard[2].cleared.utc_ns, 0);
+  EXPECT_EQ(heard[2].id, heard[1].id);
+  ASSERT_EQ(book->outdated().size(), 1u) << "who comes meanwhile is told too";
+  EXPECT_EQ(book->outdated()[0].cleared, heard[2].cleared);
   store->disk.full = false;
   look({});
-  EXPECT_NE(standing()[0].cleared.utc_ns, 0);
+  EXPECT_EQ(standing()[0].cleared, heard[2].cleared);
+  EXPECT_THAT(book->outdated(), IsEmpty());
+}
+
+TEST_F(AlarmBookTest, AFullDiskKeepsBackNoNewSentence) {
+  AlarmCondition hot{AlarmLevel::warning, "channel.beyond", "t01_degC", "t01 is at 31 degC"};
+  look({hot});
+  store->disk.full = true;
+  hot.message = "t01 is at 48 degC";
+  hot.consequences = {"run 3 waits"};
+  look({hot});
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_EQ(heard[1].message, hot.message);
+  EXPECT_EQ(heard[1].consequences, hot.consequences);
+  ASSERT_EQ(book->outdated().size(), 1u);
+  EXPECT_EQ(book->outdated()[0].message, hot.message);
+  store->disk.full = false;
+  look({hot});
+  EXPECT_EQ(standing()[0].message, hot.message) << "on record as soon as there is room";
+  EXPECT_THAT(book->outdated(), IsEmpty());
 }
 
 // The full disk is such a one: when its alarm can be written, the disk is full no longer.
@@ -282,16 +312,21 @@ TEST_F(AlarmBookTest, OneThatFlickersOnAFullDiskIsOneAlarm) {
     look(i % 3 == 2 ? Conditions{lost("laser-x")} : Conditions{});
     EXPECT_EQ(book->unstored()[0].cleared.utc_ns, 0) << "two looks without it are not its end";
   }
+  EXPECT_EQ(heard.size(), 1u);
   for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({});
   EXPECT_NE(book->unstored()[0].cleared.utc_ns, 0);
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_NE(heard[1].cleared.utc_ns, 0);
   look({lost("laser-x")});
+  ASSERT_EQ(heard.size(), 3u) << "its end was told: its return is another";
   store->disk.full = false;
-  look({});
-  ASSERT_EQ(standing().size(), 1u);
-  EXPECT_EQ(standing()[0].since, since);
-  EXPECT_EQ(standing()[0].cleared.utc_ns, 0) << "it came back before its end was on record";
-  for (int i = 1; i < AlarmBook::kLooksToClear; ++i) look({});
-  EXPECT_NE(standing()[0].cleared.utc_ns, 0);
+  look({lost("laser-x")});
+  auto all = standing();
+  std::ranges::sort(all, {}, &AlarmRecord::since);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].since, since);
+  EXPECT_EQ(all[0].cleared, heard[1].cleared);
+  EXPECT_EQ(all[1].cleared.utc_ns, 0);
 }
 
 TEST_F(AlarmBookTest, TwoThatAreOverAtOnceOnAFullDiskAreTwo) {

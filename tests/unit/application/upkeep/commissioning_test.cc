@@ -85,6 +85,32 @@ TEST_F(AtCommissioning, SaysWhatIsWrongAndWhatToDo) {
   EXPECT_EQ(check.worst(), Finding::bad);
 }
 
+// The keeper asks every device who it is: the alarm came and went every few seconds.
+TEST_F(AtCommissioning, ADeviceThatSaysWhoItIsAndGivesNoReadingStaysLost) {
+  const auto link = [this] {
+    for (const auto& device : cell().status().devices)
+      if (device.description.id == "laser-x") return device.health.link;
+    return LinkState::disconnected;
+  };
+  cell().pass(20);
+  world.laser_mute = true;
+  for (int i = 0; i < 60; ++i) {
+    cell().pass(5);
+    EXPECT_EQ(link(), LinkState::failed);
+  }
+  EXPECT_THAT(cell().events_named("device.lost"), SizeIs(1));
+  EXPECT_THAT(cell().events_named("device.back"), SizeIs(0));
+  world.laser_mute = false;
+  cell().pass(10);
+  EXPECT_EQ(link(), LinkState::connected);
+  EXPECT_THAT(cell().events_named("device.back"), SizeIs(1));
+}
+
+TEST_F(AtCommissioning, AnInstrumentWhoseAnswersAreEqualHasNoSmallestStep) {
+  world.noise_nm = world.nm_per_k = world.holding_nm = 0;
+  EXPECT_THAT(item(checked(), "laser-x", "resolution of x_mm").found, HasSubstr("all equal"));
+}
+
 TEST_F(AtCommissioning, ANoisyInstrumentIsComparedWithTheGate) {
   world.noise_nm = 40;
   EXPECT_EQ(item(checked(), "laser-x", "resolution of x_mm").finding, Finding::bad);
@@ -209,9 +235,16 @@ TEST_F(AtCommissioning, TheStabilityOfAChannelIsReadFromTheRecord) {
   EXPECT_FALSE(found->spectrum.empty());
   EXPECT_EQ(running.await(running->look_back.stability_of("t99_degC", from, to)).error().reason,
             "NO_SUCH_CHANNEL");
-  EXPECT_EQ(running.await(running->look_back.stability_of("x_mm", from, to)).error().reason,
-            "TOO_FEW_SAMPLES")
+  const auto refused = running.await(running->look_back.stability_of("x_mm", from, to)).error();
+  EXPECT_EQ(refused.reason, "TOO_FEW_SAMPLES")
       << "lengths are not recorded while nobody lets the cell rest";
+  EXPECT_THAT(refused.message, HasSubstr("x_mm from 20")) << "what was asked";
+  EXPECT_THAT(refused.message, HasSubstr("expected at least 16"));
+  EXPECT_THAT(refused.message, HasSubstr("driftwise align rest"));
+  const CellTime short_before{to.utc_ns - 30'000'000'000};
+  const auto few = running.await(running->look_back.stability_of("t02_degC", short_before, to));
+  ASSERT_FALSE(few);
+  EXPECT_THAT(few.error().message, HasSubstr("name a longer time (--hours)"));
 }
 
 TEST_F(AtCommissioning, RunsAreComparedOverTheirOwnHours) {

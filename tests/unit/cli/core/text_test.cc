@@ -128,6 +128,30 @@ TEST(ProgressBarInALog, IsNotFloodedByARunThatWaitsAndGoesOn) {
   EXPECT_THAT(log, testing::HasSubstr("run 3 done"));
 }
 
+// A run stood for a day behind `run start --watch`, and the line said "waiting" alone.
+TEST(ProgressBar, SaysWhatARunWaitsFor) {
+  const std::string why = "the stabiliser support is at 22.500 degC, -0.500 K from its set-point";
+  for (const bool terminal : {false, true}) {
+    std::ostringstream out, err;
+    const std::map<std::string, std::string> environment;
+    const Console console{out, err,   terminal, terminal, 80,   environment,
+                          "",  false, 24,       nullptr,  false};
+    {
+      ProgressBar bar(console, {});
+      auto p = progress(0, 1008);
+      p.mutable_run()->set_state(v1::Run::STATE_WAITING);
+      bar.show(p);  // why is told a moment later, in the same state
+      p.mutable_run()->set_reason(why);
+      bar.show(p);
+      bar.show(p);
+    }
+    const auto told = err.str();
+    const auto at = told.find(why);
+    ASSERT_NE(at, std::string::npos) << told;
+    EXPECT_EQ(told.find(why, at + 1), std::string::npos) << "once";
+  }
+}
+
 TEST(ProgressLine, FitsItsWidthAndNeverDividesByZero) {
   EXPECT_LE(width_of(progress_line(progress(412, 1008), 3725, 60)), 60U);
   EXPECT_EQ(progress_line(progress(0, 0), std::nan(""), 80),

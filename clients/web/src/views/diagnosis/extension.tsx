@@ -2,7 +2,7 @@
 import { useRef } from 'preact/hooks';
 import type { Diagnosis, Finding, PreviewExtensionResponse } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { api } from '@/api/client';
-import { count, significant } from '@/format/numbers';
+import { countRows, rowSpan, significant } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
 import { splitChannel } from '@/format/units';
 import { CommandButton } from '@/ui/button';
@@ -18,12 +18,12 @@ const standing = (diagnosis: Diagnosis) => diagnosis.extension && !diagnosis.ext
 // "run 3 (weekend): x by up to 3220 nm, rms 812 nm, 200 rows, from 12 Nov 08:12"
 export function changeText(change: PreviewExtensionResponse['changes'][number]): string {
   const from = change.fromTime ? `, from ${dateClock(ms(change.fromTime))}` : '';
-  return `run ${change.runId}${change.runName && ` (${change.runName})`}: ${splitChannel(change.channel).symbol} by up to ${significant(change.largestNm, 3)} nm, rms ${significant(change.rmsNm, 3)} nm, ${count(change.rowCount)} rows${from}`;
+  return `run ${change.runId}${change.runName && ` (${change.runName})`}: ${splitChannel(change.channel).symbol} by up to ${significant(change.largestNm, 3)} nm, rms ${significant(change.rmsNm, 3)} nm, ${countRows(change.rowCount)}${from}`;
 }
 
 function Changes({ preview }: { preview: PreviewExtensionResponse }) {
   const most = 8;
-  const rows = preview.excluded.map((one) => `run ${one.runId}: rows ${count(one.firstRow)} to ${count(one.lastRow)} are kept out of fits`);
+  const rows = preview.excluded.map((one) => `run ${one.runId}: ${rowSpan(one.firstRow, one.lastRow)} kept out of fits`);
   const lines = [...preview.changes.slice(0, most).map(changeText), ...(preview.changes.length > most ? [`... and ${preview.changes.length - most} more`] : []), ...rows, ...preview.further];
   return lines.length === 0 ? <>no data: a model is fitted, <code>{preview.formula}</code></> : <ul class="plain-list">{lines.map((line) => <li>{line}</li>)}</ul>;
 }
@@ -99,7 +99,7 @@ export function ExtensionPanel({ diagnosis, again }: { diagnosis: Diagnosis; aga
           findings {made.findingNumbers.join(', ')}
           {made.modelId !== undefined && <>: <a href={`/models/${made.modelId}`}>model {String(made.modelId)}</a>{made.promoted ? ', serves' : ', not promoted yet'}</>}
           {made.correctionId !== undefined && `; correction ${made.correctionId}`}
-          {made.excluded.length > 0 && `; rows kept out of ${made.excluded.map((one) => `run ${one.runId}: ${one.firstRow} to ${one.lastRow}`).join(', ')}`}
+          {made.excluded.length > 0 && `; kept out: ${made.excluded.map((one) => `${rowSpan(one.firstRow, one.lastRow)} of run ${one.runId}`).join(', ')}`}
           {` · ${dateClock(ms(made.acceptTime))} by ${made.acceptedBy || 'the daemon'}`}
         </span>
       </p>

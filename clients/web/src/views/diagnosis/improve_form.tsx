@@ -3,6 +3,7 @@ import { api } from '@/api/client';
 import { trajectoryApi } from '@/api/trajectory';
 import { withLease } from '@/app/lease';
 import { go } from '@/app/router';
+import { countRows } from '@/format/numbers';
 import { cell } from '@/live/state';
 import { SetupChoice, useSetups } from '@/parts/setup_choice';
 import { CommandButton } from '@/ui/button';
@@ -60,7 +61,7 @@ export function ImproveForm() {
       <div class="row diagnosis-start">
         <label class="field"><span>trajectory of every turn</span>
           <select value={id} onChange={(event) => setChosen(event.currentTarget.value)}>
-            {trajectories.value?.map((one) => <option key={String(one.id)} value={String(one.id)}>{one.name}, {String(one.rowCount)} rows</option>)}
+            {trajectories.value?.map((one) => <option key={String(one.id)} value={String(one.id)}>{one.name}, {countRows(one.rowCount)}</option>)}
             {!trajectories.value?.length && <option value="">none yet</option>}
           </select>
         </label>

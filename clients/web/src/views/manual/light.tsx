@@ -10,7 +10,9 @@ import { Table } from '@/ui/table';
 import { StaleNote } from '@/ui/tile';
 
 const unitOf = (name: string) => unitSign(splitChannel(name).unit);
-export const isOptical = (name: string) => name.includes('level_pct') || name.endsWith('_arcsec') || (name.endsWith('_mm') && kindOf(name) !== 'motor');
+// is_light_level() of server/core/channel.h.
+const isLightLevel = (name: string) => /(^|[._])level_([^.]*_)?pct$/.test(name);
+export const isOptical = (name: string) => isLightLevel(name) || name.endsWith('_arcsec') || (name.endsWith('_mm') && kindOf(name) !== 'motor');
 const digitsOf = (name: string) => (name.endsWith('_mm') ? 6 : name.endsWith('_pct') ? 1 : 2);
 const sizeOf = (name: string, value: number) => (name.endsWith('_pct') ? value : Math.abs(value));
 

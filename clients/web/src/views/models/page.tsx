@@ -4,7 +4,7 @@ import { usePrintFacts } from '@/app/print_head';
 import { MeasuredUnder } from '@/parts/configuration';
 import { Rests } from '@/parts/rests';
 import type { GetModelResponse, Model, ModelOutput } from '@/api/gen/driftwise/v1/model_service_pb';
-import { count, fixed, significant } from '@/format/numbers';
+import { count, countRows, fixed, significant } from '@/format/numbers';
 import { dateClock, ms, secondsOf } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { AccuracyHeading, figure, meanFigure } from '@/ui/accuracy';
@@ -107,7 +107,7 @@ function OutputTile({ output }: { output: ModelOutput }) {
       <p class="value">{figure(held?.value ?? accuracy?.a90Calibration)} <span class="unit">{unit}</span></p>
       {accuracy?.a90Validation !== undefined && <p class="note muted">validation {figure(accuracy.a90Validation)} (mean {meanFigure(accuracy.meanValidation, accuracy.a90Validation)}, S90 {figure(accuracy.u90Validation)}) {unit}</p>}
       {accuracy?.validationSets.map((set) => (
-        <p class="note muted" key={set.name}>of them {set.name}, {`${set.figures?.rowCount}`} rows {figure(set.figures?.a90)} (mean {meanFigure(set.figures?.mean, set.figures?.a90)}, S90 {figure(set.figures?.u90)}) {unit}</p>
+        <p class="note muted" key={set.name}>of them {set.name}, {countRows(set.figures?.rowCount)} {figure(set.figures?.a90)} (mean {meanFigure(set.figures?.mean, set.figures?.a90)}, S90 {figure(set.figures?.u90)}) {unit}</p>
       ))}
       {accuracy?.a90Blocks !== undefined && (
         <p class="note muted">

@@ -3,7 +3,7 @@
 import { useMemo, useState } from 'preact/hooks';
 import { modelApi } from '@/api/model';
 import type { ListResidualsResponse, Model, ModelOutput } from '@/api/gen/driftwise/v1/model_service_pb';
-import { count, significant } from '@/format/numbers';
+import { countRows, significant } from '@/format/numbers';
 import { Plot } from '@/plot/plot';
 import { FileInput } from '@/ui/file_input';
 import { Panel } from '@/ui/panel';
@@ -38,12 +38,12 @@ function Pictures({ answer, model, output }: { answer: ListResidualsResponse; mo
   return (
     <>
       <p class="note muted">
-        {count(answer.rowCount)} rows{answer.rowStep > 1n && `, every ${answer.rowStep}th drawn`}; ● calibration, ◇ validation; band: A90 of calibration, ±
+        {countRows(answer.rowCount)}{answer.rowStep > 1n && `, every ${answer.rowStep}th drawn`}; ● calibration, ◇ validation; band: A90 of calibration, ±
         {significant(output.accuracy?.a90Calibration, 2)} {summaryUnit(output)}; one scale for all
       </p>
       {sets.length > 0 && (
         <p class="note">
-          A90 by validation set: {sets.map((set) => `${set.name} ${significant(set.figures?.a90, 3)} ${summaryUnit(output)} (${set.figures?.rowCount} rows, mean ${significant(set.figures?.mean, 2)})`).join('; ')}
+          A90 by validation set: {sets.map((set) => `${set.name} ${significant(set.figures?.a90, 3)} ${summaryUnit(output)} (${countRows(set.figures?.rowCount)}, mean ${significant(set.figures?.mean, 2)})`).join('; ')}
         </p>
       )}
       {answer.runsWithoutZero.length > 0 && <Warned>The zero of {answer.runsWithoutZero.map((run) => `run ${run}`).join(', ')} is not known: the mean of its errors is taken out.</Warned>}

@@ -1,7 +1,7 @@
 // One answer to many alarms. The dialog names each of them; what arrives while it is read is not part of the answer.
 import { api } from '@/api/client';
 import type { Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
-import { levelWords, standing } from '@/live/alarms';
+import { isOnRecord, levelWords, standing } from '@/live/alarms';
 import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Failed } from '@/ui/states';
@@ -33,7 +33,7 @@ async function acknowledge(shown: readonly Alarm[], taken: (alarm: Alarm) => voi
 
 export function AcknowledgeAll({ alarms, taken }: { alarms: readonly Alarm[]; taken: (alarm: Alarm) => void }) {
   const all = useCommand((shown: readonly Alarm[]) => acknowledge(shown, taken));
-  const open = alarms.filter((alarm) => !alarm.acknowledgeTime);
+  const open = alarms.filter((alarm) => isOnRecord(alarm) && !alarm.acknowledgeTime);
   if (open.length < 2 && !all.busy && !all.failure) return null;
   return (
     <div class="actions">

@@ -4,7 +4,7 @@ import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { Alarm_Level, Alarm_Priority, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { ms } from '@/format/time';
-import { levelWords, standing } from '@/live/alarms';
+import { alarmKey, isOnRecord, levelWords, standing } from '@/live/alarms';
 import { dayOrDate } from '@/live/state';
 import { AlarmSwitches } from '@/parts/alarm_switches';
 import { Button, CommandButton } from '@/ui/button';
@@ -55,10 +55,11 @@ function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => vo
     <li class={classOf(alarm)}>
       <Words alarm={alarm} />
       <div class="alarm-answers">
-        {!alarm.acknowledgeTime && (
+        {!isOnRecord(alarm) && <span class="muted">not on record yet: it can be acknowledged once the record takes it</span>}
+        {isOnRecord(alarm) && !alarm.acknowledgeTime && (
           <CommandButton busy={acknowledge.busy} onPress={() => void acknowledge.send()} label={`Acknowledge: ${alarm.message}`}>Acknowledge</CommandButton>
         )}
-        <Shelve alarm={alarm} taken={taken} />
+        {isOnRecord(alarm) && <Shelve alarm={alarm} taken={taken} />}
       </div>
       {acknowledge.failure && <Failed asked="Acknowledge" failure={acknowledge.failure} />}
     </li>
@@ -79,7 +80,7 @@ export function AlarmList() {
   return (
     <>
       {failed}
-      <ul class="alarms" aria-label="What needs attention">{shown.map((alarm) => <AlarmLine key={String(alarm.id)} alarm={alarm} taken={taken} />)}</ul>
+      <ul class="alarms" aria-label="What needs attention">{shown.map((alarm) => <AlarmLine key={alarmKey(alarm)} alarm={alarm} taken={taken} />)}</ul>
       {more > 0 && <p><Button small onPress={() => setAll(true)}>Show {more} more that are over{alarms.value.some((one) => one.shelvedUntilTime) && ' or shelved'}</Button></p>}
       <AcknowledgeAll alarms={alarms.value} taken={taken} />
       <AlarmSwitches />
@@ -96,7 +97,7 @@ export function WallAlarms() {
   return (
     <section aria-label="What needs attention">
       {failed}
-      <ul class="alarms">{alarms.value.slice(0, linesShown).map((alarm) => <li key={String(alarm.id)} class={classOf(alarm)}><Words alarm={alarm} /></li>)}</ul>
+      <ul class="alarms">{alarms.value.slice(0, linesShown).map((alarm) => <li key={alarmKey(alarm)} class={classOf(alarm)}><Words alarm={alarm} /></li>)}</ul>
       {more > 0 && <p>and {more} more {more === 1 ? 'alarm' : 'alarms'}</p>}
     </section>
   );

@@ -1,7 +1,7 @@
 // Adds a campaign from the trajectories that the daemon keeps.
 import { useState } from 'preact/hooks';
 import { trajectoryApi } from '@/api/trajectory';
-import { count } from '@/format/numbers';
+import { countRows } from '@/format/numbers';
 import { fromUtc, timestampOf } from '@/format/time';
 import { SetupChoice, useSetups } from '@/parts/setup_choice';
 import { CommandButton } from '@/ui/button';
@@ -43,7 +43,7 @@ export function AddEntry({ onAdded, startsAtOnce }: { onAdded: () => void; start
     const { trajectory } = await trajectoryApi().getTrajectory({ trajectoryId: BigInt(which) });
     const yes = !startsAtOnce({ notBeforeMs, afterEntryId: after ? BigInt(after) : undefined }) || (await confirm({
       title: `Add "${name.trim() || trajectory!.name}" to the queue?`, verb: 'Add it', keep: 'Do not add it',
-      facts: [['trajectory', `${trajectory!.name}, ${count(trajectory!.rowCount)} rows`], ['starts', startWords(condition.trim())]],
+      facts: [['trajectory', `${trajectory!.name}, ${countRows(trajectory!.rowCount)}`], ['starts', startWords(condition.trim())]],
     }));
     if (!yes) return;
     await queueApi().addQueueEntry({
@@ -70,7 +70,7 @@ export function AddEntry({ onAdded, startsAtOnce }: { onAdded: () => void; start
               <span>Trajectory</span>
               <select class="input" value={which} onChange={(event) => setWhich(event.currentTarget.value)}>
                 <option value="">choose a kept one</option>
-                {kept.value.map((one) => <option key={String(one.id)} value={String(one.id)}>{one.name}, {String(one.rowCount)} rows</option>)}
+                {kept.value.map((one) => <option key={String(one.id)} value={String(one.id)}>{one.name}, {countRows(one.rowCount)}</option>)}
               </select>
             </label>
             <Field label="Name" value={name} onInput={setName} hint="empty: the trajectory's" />

@@ -1,7 +1,7 @@
 // Queue: campaigns that wait for their turn, with the reasons; ordered, held and released here.
 import './view.css';
 import { QueueEntry_State, type ListQueueResponse, type QueueEntry } from '@/api/gen/driftwise/v1/queue_service_pb';
-import { count } from '@/format/numbers';
+import { countRows } from '@/format/numbers';
 import { dateClock, duration, ms, secondsOf } from '@/format/time';
 import { ReportButton } from '@/parts/report_button';
 import { bandText, endBandText } from '@/trajectory/estimate';
@@ -26,7 +26,7 @@ const lookEvery_ms = 5000; // why an entry waits changes with the room
 
 const entryColumns: Column<QueueEntry>[] = [
   { title: 'entry', of: (entry) => String(entry.id) },
-  { title: 'name', of: (entry) => <>{entry.name}<span class="muted">, {entry.trajectoryName}, {count(entry.rowCount)} rows</span></> },
+  { title: 'name', of: (entry) => <>{entry.name}<span class="muted">, {entry.trajectoryName}, {countRows(entry.rowCount)}</span></> },
   { title: 'state', of: (entry) => <Verdict kind={entryWords[entry.state][0]}>{entryWords[entry.state][1]}</Verdict> },
   { title: 'run', of: (entry) => (entry.runId === undefined ? '–' : <a href={`/runs/${entry.runId}`}>{String(entry.runId)}</a>) },
   { title: 'by', of: (entry) => entry.createdBy },
@@ -76,7 +76,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
     const terms = { notBeforeMs: ms(entry.notBeforeTime), afterEntryId: entry.afterEntryId };
     const yes = !startsAtOnce(terms) || (await confirm({
       title: `Put entry ${entry.id} "${entry.name}" back?`, verb: 'Put it back', keep: 'Leave it aside',
-      facts: [['trajectory', `${entry.trajectoryName}, ${count(entry.rowCount)} rows`], ['starts', startWords(entry.condition)]],
+      facts: [['trajectory', `${entry.trajectoryName}, ${countRows(entry.rowCount)}`], ['starts', startWords(entry.condition)]],
     }));
     if (!yes) return;
     await queueApi().moveQueueEntry({ entryId: entry.id });

@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks';
 import { dataApi } from '@/api/data';
 import { PointSet, type Run } from '@/api/gen/driftwise/v1/run_pb';
-import { count, fixed } from '@/format/numbers';
+import { count, countRows, fixed } from '@/format/numbers';
 import type { RunPoints } from '@/live/points';
 import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
@@ -40,10 +40,10 @@ export function DatasetTab({ run, points }: { run: Run; points: RunPoints }) {
       <Panel title="Dataset">
         <div class="stack">
           <dl class="facts">
-            <dt>calibration</dt><dd>{count(of(PointSet.CALIBRATION))} rows</dd>
-            <dt>validation</dt><dd>{count(of(PointSet.VALIDATION))} rows</dd>
+            <dt>calibration</dt><dd>{countRows(of(PointSet.CALIBRATION))}</dd>
+            <dt>validation</dt><dd>{countRows(of(PointSet.VALIDATION))}</dd>
             <dt>returns to zero</dt><dd>{count(points.points.filter((point) => point.zero).length)}</dd>
-            {points.passages.length > 0 && <><dt>passages</dt><dd>{count(points.passages.length)} rows beside the plan</dd></>}
+            {points.passages.length > 0 && <><dt>passages</dt><dd>{countRows(points.passages.length)} beside the plan</dd></>}
             <dt>channels</dt><dd>{channels.length > 0 ? channels.join(', ') : '–'}</dd>
           </dl>
           <div class="actions">

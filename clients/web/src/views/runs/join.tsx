@@ -2,7 +2,7 @@
 import { useMemo, useState } from 'preact/hooks';
 import { dataApi } from '@/api/data';
 import { go } from '@/app/router';
-import { count } from '@/format/numbers';
+import { count, countRows } from '@/format/numbers';
 import { Button, CommandButton } from '@/ui/button';
 import { Panel } from '@/ui/panel';
 import { Failed, Warned } from '@/ui/states';
@@ -17,7 +17,7 @@ function Report({ report }: { report: JoinReport }) {
   return (
     <>
       <p>
-        {count(report.rows)} rows joined{report.unmatched_rows > 0 && `, ${count(report.unmatched_rows)} left out`}.
+        {countRows(report.rows)} joined{report.unmatched_rows > 0 && `, ${count(report.unmatched_rows)} left out`}.
         {report.temperature_difference_k !== undefined && ` Temperatures of the datums: at most ${report.temperature_difference_k.toPrecision(3)} K apart (${report.temperature_channel}).`}
         {report.zero_difference_nm !== undefined && ` Motor coordinates at pose zero: at most ${report.zero_difference_nm.toPrecision(3)} nm apart.`}
       </p>

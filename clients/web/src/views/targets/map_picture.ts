@@ -1,6 +1,5 @@
 // A map as numbers, and how it is painted.
 import type { MapTargetsResponse } from '@/api/gen/driftwise/v1/target_service_pb';
-import { fixed } from '@/format/numbers';
 import { ticks, tickTexts } from '@/plot/ticks';
 import type { Palette } from '@/plot/palette';
 import { diverging, mix } from '@/poses/colours';
@@ -139,5 +138,3 @@ export function mapCsv(picture: MapPicture): string {
   return lines.join('\n') + '\n';
 }
 const fixedPlain = (value: number) => String(Math.round(value * 1e9) / 1e9);
-
-export const rangeText = (picture: MapPicture) => `${fixed(picture.low, 0)} to ${fixed(picture.high, 0)} nm`;

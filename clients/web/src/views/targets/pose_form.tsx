@@ -1,5 +1,5 @@
 import { setQuery } from '@/app/router';
-import { fixed } from '@/format/numbers';
+import { rangeText } from '@/format/numbers';
 import { Field, numberTyped } from '@/ui/field';
 import { Panel } from '@/ui/panel';
 import { textOf, type PoseField, type Typed } from './pose';
@@ -20,7 +20,7 @@ function PoseInput({ field, typed, type }: { field: PoseField; typed: string | u
   const value = numberTyped(shown);
   const outside = value !== undefined && (value < field.min || value > field.max);
   const digits = field.unit === 'arcsec' ? 1 : 2;
-  const range = `fitted from ${fixed(field.min, digits)} to ${fixed(field.max, digits)}`;
+  const range = `fitted from ${rangeText(field.min, field.max, digits)}`;
   return (
     <Field
       label={field.symbol}

@@ -2,7 +2,7 @@
 import { useMemo } from 'preact/hooks';
 import { api } from '@/api/client';
 import type { CheckTrajectoryResponse } from '@/api/gen/driftwise/v1/run_service_pb';
-import { count, fixed } from '@/format/numbers';
+import { count, fixed, rangeText } from '@/format/numbers';
 import { duration, secondsOf } from '@/format/time';
 import { kindOf, splitChannel } from '@/format/units';
 import { Plot } from '@/plot/plot';
@@ -82,7 +82,7 @@ function LimitsPanel({ rows, limits }: { rows: TrajectoryRows; limits: CellLimit
                 <td>{range.symbol}</td>
                 <td class="number">{fixed(range.low, 3)}</td>
                 <td class="number">{fixed(range.high, 3)}</td>
-                <td>{limit ? <Verdict kind={inside ? 'good' : 'bad'}>{`${fixed(limit.min, 2)} to ${fixed(limit.max, 2)} mm`}</Verdict> : <span class="muted">of the motors: checked against the target of each pose</span>}</td>
+                <td>{limit ? <Verdict kind={inside ? 'good' : 'bad'}>{`${rangeText(limit.min, limit.max, 2)} mm`}</Verdict> : <span class="muted">of the motors: checked against the target of each pose</span>}</td>
               </tr>
             );
           })}

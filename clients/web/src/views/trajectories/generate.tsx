@@ -2,7 +2,7 @@
 // comes back is a text like any other, checked and shown before it is kept.
 import { useState } from 'preact/hooks';
 import { trajectoryApi } from '@/api/trajectory';
-import { count } from '@/format/numbers';
+import { countRows } from '@/format/numbers';
 import { splitChannel } from '@/format/units';
 import { Button } from '@/ui/button';
 import { Field, numberTyped } from '@/ui/field';
@@ -94,7 +94,7 @@ function Form({ axes, onText }: { axes: readonly SoftLimit[]; onText: (text: str
       </div>
       <div class="actions">
         <Button busy={make.busy} off={wrong} onPress={() => make.send()}>Generate</Button>
-        {made !== undefined && <span class="muted">{count(made)} rows, shown below</span>}
+        {made !== undefined && <span class="muted">{countRows(made)}, shown below</span>}
       </div>
       {make.failure && <Failed asked="Generate the grid" failure={make.failure} />}
     </div>

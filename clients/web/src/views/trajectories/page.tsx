@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks';
 import { trajectoryApi } from '@/api/trajectory';
 import type { Trajectory } from '@/api/gen/driftwise/v1/trajectory_service_pb';
-import { count } from '@/format/numbers';
+import { countRows } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
 import { cell } from '@/live/state';
 import { Button } from '@/ui/button';
@@ -22,7 +22,7 @@ export function TrajectoryPage({ id }: { id: bigint }) {
   return (
     <>
       <ViewTitle
-        sub={one && `${count(one.rowCount)} rows, kept ${dateClock(ms(one.createTime))}${one.createdBy && ` by ${one.createdBy}`}`}
+        sub={one && `${countRows(one.rowCount)}, kept ${dateClock(ms(one.createTime))}${one.createdBy && ` by ${one.createdBy}`}`}
         actions={one && <Button onPress={() => download(`${one.name.replace(/\.csv$/, '')}.csv`, one.text, 'text/csv')}>Save as CSV</Button>}
       >
         {one ? `Trajectory ${id}, ${one.name}` : `Trajectory ${id}`}
