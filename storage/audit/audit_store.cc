@@ -88,7 +88,7 @@ Result<RecordCopy> SqliteAuditStore::back_up(const std::string& path,
 }
 
 Result<ThinningStep> SqliteAuditStore::thin(const ThinningOrder& order) {
-  return session_.write([&] { return thin_readings(session_, order); });
+  return session_.write([&] { return thin_readings(session_, order, kept_); });
 }
 
 }  // namespace driftwise::storage

@@ -2,6 +2,7 @@
 
 #include "server/core/ports/audit_store.h"
 #include "storage/chain/protected_tables.h"
+#include "storage/readings/kept_stretches.h"
 #include "storage/sqlite/session.h"
 
 namespace driftwise::storage {
@@ -24,6 +25,7 @@ class SqliteAuditStore final : public AuditStore {
  private:
   Session& session_;
   std::optional<ProtectedTables>& tables_;
+  KeptStretches kept_;  // from step to step of a thinning
 };
 
 }  // namespace driftwise::storage

@@ -4,17 +4,20 @@
 #include <map>
 #include <tuple>
 
+#include "storage/watch/remark_store.h"
+
 namespace driftwise::storage {
 namespace {
 
 void mark_excluded(Session& session, RunId run, std::vector<DatasetRow>& rows) {
-  Query query(session.db,
-              "SELECT point_id, EXISTS (SELECT 1 FROM suspect_mark m WHERE m.exclusion_id = "
-              "excluded_point.exclusion_id) FROM excluded_point JOIN point USING (run_id, "
-              "trajectory_row) WHERE run_id = ?");
-  query.bind(run.value);
+  const auto out_rows = excluded_rows(session, run);
   std::map<std::int64_t, bool> out;  // point, suspect
-  while (query.row()) out[query.integer(0)] = query.integer(1) != 0;
+  Query query(session.db, "SELECT point_id FROM point WHERE run_id = ? AND trajectory_row = ?");
+  for (const auto& [number, excluded] : out_rows) {
+    query.bind(run.value, number);
+    while (query.row()) out[query.integer(0)] = excluded.suspect;
+    query.restart();
+  }
   for (DatasetRow& row : rows) {
     const auto found = out.find(row.point_id);
     row.suspect = found != out.end() && found->second;

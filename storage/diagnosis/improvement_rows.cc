@@ -79,7 +79,8 @@ ImprovementRecord improvement_from(const Query& row) {
 
 ImprovementRecord insert_improvement(Session& session, const ImprovementRecord& wanted) {
   if (!wanted.request_id.empty()) {
-    Query same(session.db, "SELECT improvement_id FROM improvement WHERE request_id = ?");
+    Query same(session.db,
+               "SELECT improvement_id FROM improvement WHERE request_id = ? AND request_id <> ''");
     if (same.bind(wanted.request_id).row())
       return read_improvement(session, ImprovementId{same.integer(0)});
   }

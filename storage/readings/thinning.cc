@@ -18,9 +18,6 @@ struct RawValue {
   std::int64_t channel;
   double value;  // NaN: missing
 };
-struct Stretch {
-  std::int64_t from_ns, to_ns;
-};
 struct Reduced {
   std::int64_t count = 0;
   double sum = 0, min = 0, max = 0;
@@ -60,33 +57,6 @@ void check_order(const ThinningOrder& order) {
   if (order.every_ns < kSecond || order.every_ns > 3600 * kSecond)
     throw_failure(ErrorCode::invalid_argument, reasons::kBadRange,
                   "every: expected an interval of 1 s to 1 h");
-}
-
-// The stretches around attempts and datums, ascending and apart. Those of an imported file were
-// measured elsewhere, and their times here are those of the import.
-std::vector<Stretch> kept_stretches(Session& session, std::int64_t from_ns, std::int64_t to_ns) {
-  Query query(session.db,
-              "SELECT started_ns, ended_ns FROM attempt WHERE ended_ns >= ?1 AND started_ns <= ?2 "
-              "UNION ALL SELECT opened_ns, opened_ns FROM datum d WHERE opened_ns >= ?1 AND "
-              "opened_ns <= ?2 AND NOT EXISTS (SELECT 1 FROM imported_file f WHERE f.run_id = "
-              "d.run_id) UNION ALL SELECT measured_ns, measured_ns FROM point p WHERE "
-              "measured_ns >= ?1 AND measured_ns <= ?2 AND NOT EXISTS (SELECT 1 FROM imported_file "
-              "f WHERE f.run_id = p.run_id) ORDER BY 1");
-  query.bind(from_ns - kAroundAttempt_ns, to_ns + kAroundAttempt_ns);
-  std::vector<Stretch> out;
-  while (query.row()) {
-    const Stretch one{query.integer(0) - kAroundAttempt_ns, query.integer(1) + kAroundAttempt_ns};
-    if (!out.empty() && one.from_ns <= out.back().to_ns)
-      out.back().to_ns = std::max(out.back().to_ns, one.to_ns);
-    else
-      out.push_back(one);
-  }
-  return out;
-}
-
-bool is_within(const std::vector<Stretch>& stretches, std::int64_t from_ns, std::int64_t to_ns) {
-  const auto at = std::ranges::lower_bound(stretches, from_ns, {}, &Stretch::to_ns);
-  return at != stretches.end() && at->from_ns <= to_ns;
 }
 
 // Reads what a step looks at.
@@ -210,8 +180,10 @@ std::int64_t add_thinning(Session& session, const ThinningOrder& order,
 
 }  // namespace
 
-ThinningStep thin_readings(Session& session, const ThinningOrder& order) {
+ThinningStep thin_readings(Session& session, const ThinningOrder& order, KeptStretches& kept) {
   check_order(order);
+  if (order.after_id == 0) kept.forget();
+  kept.read_on(session);
   const std::int64_t before_ns = floor_to(order.before.utc_ns, order.every_ns);
   Looking looking(session);
   ThinningStep step;
@@ -230,19 +202,18 @@ ThinningStep thin_readings(Session& session, const ThinningOrder& order) {
     const bool at_end = meets_new || looking.at_end(limit);
     step.more = !at_end;
     if (found.empty()) return step;
-    const auto [first, last] = std::ranges::minmax(found, {}, &RawReading::start_ns);
     if (!at_end) {
+      const auto last = std::ranges::max(found, {}, &RawReading::start_ns);
       const std::int64_t open_ns = floor_to(last.start_ns, order.every_ns);
       const auto waits = [&](const RawReading& one) { return one.start_ns >= open_ns; };
       step.looked_id = std::ranges::find_if(found, waits)->id - 1;
       if (step.looked_id <= order.after_id) continue;
       std::erase_if(found, [&](const RawReading& one) { return one.id > step.looked_id; });
     }
-    const auto kept = kept_stretches(session, first.start_ns, last.end_ns);
     std::map<IntervalKey, Interval> intervals;
     std::map<std::int64_t, std::vector<RawValue>> values;
     for (const RawReading& one : found) {
-      if (is_within(kept, one.start_ns, one.end_ns)) continue;
+      if (kept.is_within(one.start_ns, one.end_ns)) continue;
       auto held = looking.values(one);
       if (held.empty()) continue;
       Interval& interval =

@@ -7,6 +7,7 @@
 
 #include "server/core/records/records.h"
 #include "server/core/records/thinning_records.h"
+#include "storage/readings/kept_stretches.h"
 #include "storage/readings/series_block.h"
 #include "storage/sqlite/session.h"
 
@@ -14,10 +15,9 @@ namespace driftwise::storage {
 
 // Readings of the environment: every value is a temperature, a pressure or a humidity.
 inline constexpr std::int64_t kLookedPerStep = 4096;
-// Readings that near to an attempt or a datum stay: its temperatures are interpolated from them.
-inline constexpr std::int64_t kAroundAttempt_ns = 300'000'000'000;
 
-ThinningStep thin_readings(Session& session, const ThinningOrder& order);
+// kept: goes from step to step of one order; the first step, with no after_id, begins it anew.
+ThinningStep thin_readings(Session& session, const ThinningOrder& order, KeptStretches& kept);
 
 // What stands in the place of thinned readings of a device, by their start; of more than limit the
 // newest, 0: all. Within a read.

@@ -1,6 +1,7 @@
 #include "storage/rows/point_rows.h"
 
 #include <charconv>
+#include <limits>
 
 #include "server/core/reasons.h"
 #include "storage/rows/run_rows.h"
@@ -45,14 +46,17 @@ AttemptRecord attempt_from(Session& session, const Query& query) {
   return attempt;
 }
 
-std::vector<PointRecord> points_from(Session& session, Query& query) {
+// Rows of a query until it has none, or most points are there, or one is of another run than only.
+// Result: it ended at a point of another run.
+bool add_points(Session& session, Query& query, std::optional<RunId> only, std::size_t most,
+                std::vector<PointRecord>& points) {
   Query values(session.db,
                "SELECT channel_id, value FROM point_value WHERE point_id = ? ORDER BY channel_id");
-  std::vector<PointRecord> points;
-  while (query.row()) {
+  while (points.size() < most && query.row()) {
     PointRecord point;
     point.id = {query.integer(0)};
     point.run = {query.integer(9)};
+    if (only && point.run != *only) return true;
     point.row = query.integer(1);
     point.datum = {query.integer(2)};
     point.set = query.text(3) == "validation" ? PointSet::validation : PointSet::calibration;
@@ -71,6 +75,12 @@ std::vector<PointRecord> points_from(Session& session, Query& query) {
     }
     points.push_back(std::move(point));
   }
+  return false;
+}
+
+std::vector<PointRecord> points_from(Session& session, Query& query) {
+  std::vector<PointRecord> points;
+  add_points(session, query, std::nullopt, std::numeric_limits<std::size_t>::max(), points);
   return points;
 }
 
@@ -208,12 +218,31 @@ std::vector<RunAttempt> read_attempts_after(Session& session, std::int64_t after
   return attempts;
 }
 
+// A page of a run. The index over the rows of a run has them in the order of the plan, so that
+// every page by it would sort the whole run. The points themselves are in the order asked for, and
+// those of a run stand together except where another run came between: they are walked until a
+// point of another run, and only then the index is asked where this one goes on, and ends.
 std::vector<PointRecord> read_points(Session& session, RunId run, std::int64_t after_id,
                                      int limit) {
+  const std::size_t most =
+      limit > 0 ? static_cast<std::size_t>(limit) : std::numeric_limits<std::size_t>::max();
+  std::vector<PointRecord> points;
+  {
+    Query next(session.db, DRIFTWISE_SELECT_POINT
+               " FROM point NOT INDEXED WHERE point_id > ? ORDER BY point_id");
+    next.bind(after_id);
+    if (!add_points(session, next, run, most, points)) return points;
+  }
+  const std::int64_t reached = points.empty() ? after_id : points.back().id.value;
+  Query rest(session.db,
+             "SELECT min(point_id), max(point_id) FROM point WHERE run_id = ? AND point_id > ?");
+  if (!rest.bind(run.value, reached).row() || rest.is_null(0)) return points;
   Query query(session.db, DRIFTWISE_SELECT_POINT
-              " FROM point WHERE run_id = ? AND point_id > ? ORDER BY point_id LIMIT ?");
-  query.bind(run.value, after_id, limit > 0 ? limit : -1);
-  return points_from(session, query);
+              " FROM point NOT INDEXED WHERE run_id = ? AND point_id BETWEEN ? AND ? ORDER BY "
+              "point_id");
+  query.bind(run.value, rest.integer(0), rest.integer(1));
+  add_points(session, query, run, most, points);
+  return points;
 }
 
 std::vector<PointRecord> read_points_after(Session& session, std::int64_t after, std::int64_t until,

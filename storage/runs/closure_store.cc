@@ -133,9 +133,10 @@ Result<std::vector<ClosureRecord>> SqliteClosureStore::closures(RunId run) {
 Result<std::vector<PointId>> SqliteClosureStore::repeated_points(RunId run) {
   return session_.read([&] {
     require_run(session_, run);
+    // CROSS: few points were repeated, a run has many.
     Query query(session_.db,
-                "SELECT point_id FROM repeated_point JOIN point USING (point_id) WHERE run_id = ? "
-                "ORDER BY point_id");
+                "SELECT point_id FROM repeated_point CROSS JOIN point USING (point_id) WHERE "
+                "run_id = ? ORDER BY point_id");
     query.bind(run);
     std::vector<PointId> points;
     while (query.row()) points.push_back({query.integer(0)});

@@ -1,6 +1,6 @@
 #include "storage/watch/remark_store.h"
 
-#include <set>
+#include <map>
 
 #include "server/core/reasons.h"
 #include "storage/models/model_store.h"
@@ -32,14 +32,6 @@ void require_no_passage(Session& session, RunId run, std::int64_t row) {
                       std::to_string(run.value) + "' shows them");
 }
 
-std::set<std::int64_t> excluded_rows(Session& session, RunId run) {
-  Query query(session.db, "SELECT trajectory_row FROM excluded_point WHERE run_id = ?");
-  query.bind(run.value);
-  std::set<std::int64_t> rows;
-  while (query.row()) rows.insert(query.integer(0));
-  return rows;
-}
-
 std::optional<std::int64_t> number(const std::optional<RunId>& id) {
   return id ? std::optional(id->value) : std::nullopt;
 }
@@ -57,6 +49,25 @@ void require_subject(Session& session, const NoteSubject& on) {
 }
 
 }  // namespace
+
+// The last word on each row. The view excluded_point says the same to a person, and looks through
+// all exclusions of the run again for every row of it.
+std::map<std::int64_t, ExcludedRow> excluded_rows(Session& session, RunId run) {
+  Query query(session.db,
+              "SELECT r.trajectory_row, e.excluded, EXISTS (SELECT 1 FROM suspect_mark m WHERE "
+              "m.exclusion_id = e.exclusion_id) FROM exclusion e INDEXED BY exclusion_run CROSS "
+              "JOIN exclusion_row r USING (exclusion_id) WHERE e.run_id = ? ORDER BY "
+              "e.exclusion_id");
+  query.bind(run.value);
+  std::map<std::int64_t, ExcludedRow> rows;
+  while (query.row()) {
+    if (query.integer(1) != 0)
+      rows[query.integer(0)] = {.suspect = query.integer(2) != 0};
+    else
+      rows.erase(query.integer(0));
+  }
+  return rows;
+}
 
 ExclusionRecord store_exclusion(Session& session, const ExclusionRecord& wanted) {
   require_run(session, wanted.run);
@@ -173,7 +184,7 @@ Result<TimeNoteRecord> SqliteRemarkStore::add_time_note(const TimeNoteRecord& no
     if (!note.request.empty()) {
       Query same(session_.db,
                  "SELECT time_note_id, about_ns, text, channel, request, at_ns, at_monotonic_ns, "
-                 "who, peer FROM time_note WHERE request = ?");
+                 "who, peer FROM time_note WHERE request = ? AND request <> ''");
       same.bind(note.request);
       if (same.row()) return time_note_of(same);
     }

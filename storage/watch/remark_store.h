@@ -1,10 +1,19 @@
 #pragma once
 // Exclusions and notes (storage/schema/schema_v2.h). Thread: the session's.
 
+#include <cstdint>
+#include <map>
+
 #include "server/core/ports/store.h"
 #include "storage/sqlite/session.h"
 
 namespace driftwise::storage {
+
+struct ExcludedRow {
+  bool suspect = false;
+};
+// Rows of a run's trajectory that are out now. Inside the caller's transaction.
+std::map<std::int64_t, ExcludedRow> excluded_rows(Session& session, RunId run);
 
 // Inside the caller's write transaction: as RemarkStore::exclude.
 ExclusionRecord store_exclusion(Session& session, const ExclusionRecord& exclusion);

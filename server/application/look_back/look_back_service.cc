@@ -16,16 +16,26 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 16;
 
-Result<Stability> analysed(Stability& out, const std::vector<RecordedSeries>& recorded) {
+std::string where_more_is(const Channel& channel) {
+  const bool in_runs = channel.unit == "mm" || channel.unit == "arcsec";
+  return in_runs
+             ? "lengths and rotations are recorded in runs and while the cell rests ('driftwise "
+               "align rest'): name a time with one of them"
+             : "name a longer time (--hours), or wait until its device was read so often "
+               "(period_s in the cell file)";
+}
+
+// asked_for: the channel and the time, for the refusal.
+Result<Stability> analysed(Stability& out, const std::vector<RecordedSeries>& recorded,
+                           const std::string& asked_for, const Channel& channel) {
   const auto& samples = recorded.front().samples;
   const auto stretch = stability::longest_stretch(samples);
   out.all = static_cast<std::int64_t>(samples.values.size());
   if (stretch.size() < kFewestSamples)
-    return fail(ErrorCode::failed_precondition, reasons::kTooFewSamples,
-                fmt::format("found {} values of {} without a gap ({} in all), expected at least "
-                            "{}: name a longer time; lengths are recorded in runs and while the "
-                            "cell rests ('driftwise align rest')",
-                            stretch.size(), out.channel, out.all, kFewestSamples));
+    return fail(
+        ErrorCode::failed_precondition, reasons::kTooFewSamples,
+        fmt::format("{}: found {} values without a gap ({} in all), expected at least {}; {}",
+                    asked_for, stretch.size(), out.all, kFewestSamples, where_more_is(channel)));
   const double scale = out.unit == "nm" ? 1e6 : out.unit == "mK" ? 1e3 : 1;
   std::vector<double> values;
   const double first = samples.values[stretch.begin];
@@ -106,7 +116,10 @@ Awaitable<Result<Stability>> LookBackService::stability_of(std::string channel, 
   out.to = to;
   static_cast<void>(co_await bench_.writer.flush());
   DRIFTWISE_CO_TRY(auto recorded, co_await reader_.call(read_channel, device, channel, from, to));
-  co_return co_await run_on(worker_, analysed, out, std::move(recorded));
+  const std::string asked_for =
+      fmt::format("{} from {} to {}", channel, to_iso8601(bench_.clock.utc(from)),
+                  to_iso8601(bench_.clock.utc(to)));
+  co_return co_await run_on(worker_, analysed, out, std::move(recorded), asked_for, parsed);
 }
 
 Awaitable<Result<std::vector<ComparedRun>>> LookBackService::compare(std::vector<RunId> runs,

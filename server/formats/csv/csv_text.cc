@@ -11,6 +11,7 @@
 #include "server/core/data/reading.h"
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
+#include "server/core/text/trimmed.h"
 #include "server/core/try.h"
 #include "server/formats/csv/plain_decimal.h"
 #include "server/formats/csv/set_names.h"
@@ -21,11 +22,7 @@ namespace {
 
 constexpr std::string_view kBlank = " \t";
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
+std::string_view trimmed(std::string_view text) { return driftwise::trimmed(text, kBlank); }
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 

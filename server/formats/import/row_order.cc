@@ -1,9 +1,9 @@
 #include "server/formats/import/row_order.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "server/core/reasons.h"
@@ -16,14 +16,10 @@ namespace {
 constexpr std::int64_t kHour_ns = 3'600'000'000'000, kHalf_ns = kHour_ns / 2;
 constexpr std::int64_t kMinute_ns = kHour_ns / 60;
 
-// Clocks go back in autumn: September to November in the north, March to May in the south (tz
-// database).
-bool may_be_set_back_in(CellTime time) {
-  const auto day = std::chrono::floor<std::chrono::days>(
-      std::chrono::sys_time<std::chrono::nanoseconds>(std::chrono::nanoseconds(time.utc_ns)));
-  const auto month = static_cast<unsigned>(std::chrono::year_month_day(day).month());
-  return (month >= 3 && month <= 5) || (month >= 9 && month <= 11);
-}
+// Rows from one on, up to another: they run on but for late ones.
+struct Block {
+  CellTime first, last;
+};
 
 }  // namespace
 
@@ -44,27 +40,43 @@ std::vector<std::int64_t> RowTimes::forward_steps_ns() const {
 // stamp is behind the one before by that hour less the time between the two rows, which is known by
 // the other steps alone: rows of 45 min step back by 15, rows of an hour repeat a stamp. Each step
 // is judged by itself: a clock that was set right, or a late row, elsewhere in the file excuses
-// none. Several of them count in the months of such changes only: series that were joined out of
-// order step back as well.
+// none. No calendar is asked: clocks are set back in any month (Casablanca in February). Of several
+// steps those count after which the clock runs through times that it had before. Series that were
+// joined out of order step back as well, and have no times in common.
 std::vector<std::size_t> RowTimes::rows_of_clock_set_back() const {
-  std::vector<std::size_t> found, same;
+  std::vector<std::size_t> found, same, begins{0};
   auto steps_ns = forward_steps_ns();
   if (steps_ns.empty()) return found;
   std::ranges::sort(steps_ns);
   const std::int64_t smallest_ns = steps_ns.front(), largest_ns = steps_ns.back();
   const std::int64_t median_ns = steps_ns[steps_ns.size() / 2];
   std::size_t steps_back = 0;
-  for (std::size_t i = 1; i < rows_.size(); ++i) steps_back += rows_[i].time < rows_[i - 1].time;
   for (std::size_t i = 1; i < rows_.size(); ++i) {
-    if (!rows_[i].local || !rows_[i - 1].local) continue;
     const std::int64_t back_ns = (rows_[i - 1].time - rows_[i].time).count();
-    if (back_ns == 0) same.push_back(i);
-    if (back_ns <= 0 || back_ns > kHour_ns) continue;
-    if (steps_back > 1 && !may_be_set_back_in(rows_[i].time)) continue;
+    const bool local = rows_[i].local && rows_[i - 1].local;
+    steps_back += back_ns > 0;
+    if (local && back_ns == 0) same.push_back(i);
+    if (back_ns <= 0) continue;
     // Less than a minute is left of the hour after a pause of just that length: too rare to refuse
     // late rows of every file with a pause, unless its rows are that far apart as a rule.
     const std::int64_t between_ns = back_ns < kMinute_ns ? median_ns : largest_ns;
-    if (back_ns + between_ns >= kHalf_ns) found.push_back(i);
+    if (back_ns + between_ns < kHalf_ns) continue;
+    begins.push_back(i);
+    if (local && back_ns <= kHour_ns) found.push_back(i);
+  }
+  if (steps_back > 1) {
+    std::vector<Block> blocks;
+    for (std::size_t k = 0; k < begins.size(); ++k) {
+      const std::size_t end = k + 1 < begins.size() ? begins[k + 1] : rows_.size();
+      const auto [first, last] =
+          std::ranges::minmax(std::span(rows_).subspan(begins[k], end - begins[k]), {}, &Row::time);
+      blocks.push_back({first.time, last.time});
+    }
+    std::erase_if(found, [&](std::size_t row) {
+      const auto k = std::ranges::lower_bound(begins, row) - begins.begin();
+      const auto after = static_cast<std::size_t>(k);
+      return blocks[after].last <= blocks[after - 1].first;
+    });
   }
   // Rows of one stamp are common where the stamps are coarser than the rows, and only there.
   if (same.size() == 1 && smallest_ns >= kHalf_ns) found.push_back(same.front());

@@ -27,6 +27,29 @@ namespace {
 using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
 
+// Thousands of rows become messages on the reader's thread: the executor has motion to look after.
+Result<v1::ListPointsResponse> listed_points(Store& store, RunId run, std::int64_t after_id,
+                                             int limit) {
+  DRIFTWISE_TRY(const auto points, store.points().points(run, after_id, limit));
+  DRIFTWISE_TRY(const auto repeated, store.closures().repeated_points(run));
+  v1::ListPointsResponse out;
+  out.mutable_points()->Reserve(static_cast<int>(points.size()));
+  for (const auto& point : points) {
+    auto& told = *out.add_points();
+    told = point_from(point);
+    told.set_repeated_line(std::ranges::binary_search(repeated, point.id));
+  }
+  return out;
+}
+
+Result<v1::ListAttemptsResponse> listed_attempts(Store& store, RunId run) {
+  DRIFTWISE_TRY(const auto attempts, store.points().attempts(run));
+  v1::ListAttemptsResponse out;
+  out.mutable_attempts()->Reserve(static_cast<int>(attempts.size()));
+  for (const auto& attempt : attempts) *out.add_attempts() = attempt_from(attempt);
+  return out;
+}
+
 class RunService final : public v1::RunService::CallbackService {
  public:
   explicit RunService(const application::Services& cell)
@@ -82,16 +105,9 @@ class RunService final : public v1::RunService::CallbackService {
       if (auto good = check_cursor(request->after_point_id(), "after_point_id"); !good)
         co_return good;
       DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 1000, 10000));
-      DRIFTWISE_CO_TRY(const auto points,
-                       co_await records_.points().points(RunId{request->run_id()},
-                                                         request->after_point_id(), limit));
-      DRIFTWISE_CO_TRY(const auto repeated,
-                       co_await records_.closures().repeated_points(RunId{request->run_id()}));
-      for (const auto& point : points) {
-        auto& told = *response->add_points();
-        told = point_from(point);
-        told.set_repeated_line(std::ranges::binary_search(repeated, point.id));
-      }
+      DRIFTWISE_CO_TRY(auto listed, co_await records_.call(listed_points, RunId{request->run_id()},
+                                                           request->after_point_id(), limit));
+      response->Swap(&listed);
       co_return Result<void>{};
     });
   }
@@ -100,9 +116,9 @@ class RunService final : public v1::RunService::CallbackService {
                         v1::ListAttemptsResponse* response) override {
     return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      DRIFTWISE_CO_TRY(const auto attempts,
-                       co_await records_.points().attempts(RunId{request->run_id()}));
-      for (const auto& attempt : attempts) *response->add_attempts() = attempt_from(attempt);
+      DRIFTWISE_CO_TRY(auto listed,
+                       co_await records_.call(listed_attempts, RunId{request->run_id()}));
+      response->Swap(&listed);
       co_return Result<void>{};
     });
   }
