@@ -6,11 +6,11 @@
 
 namespace driftwise {
 
-std::size_t raise_descriptor_limit(std::size_t wanted) {
+std::size_t raise_descriptor_limit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
-  if (limit.rlim_cur < wanted) {
-    limit.rlim_cur = std::min<rlim_t>(wanted, limit.rlim_max);
+  if (limit.rlim_cur < kMostDescriptors) {
+    limit.rlim_cur = std::min<rlim_t>(kMostDescriptors, limit.rlim_max);
     static_cast<void>(setrlimit(RLIMIT_NOFILE, &limit));
     static_cast<void>(getrlimit(RLIMIT_NOFILE, &limit));
   }

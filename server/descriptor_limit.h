@@ -5,7 +5,8 @@
 
 namespace driftwise {
 
-// Raises the soft limit as far as the hard one allows, to this many at most. The limit now.
-std::size_t raise_descriptor_limit(std::size_t wanted = 8192);
+// Raises the soft limit as far as the hard one allows, to kMostDescriptors. The limit now.
+inline constexpr std::size_t kMostDescriptors = 8192;
+std::size_t raise_descriptor_limit();
 
 }  // namespace driftwise

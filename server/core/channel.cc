@@ -94,6 +94,13 @@ bool is_pose_symbol(std::string_view symbol) {
   return std::ranges::find(pose, symbol) != pose.end();
 }
 
+bool is_light_level(std::string_view name) {
+  constexpr std::string_view kUnit = "_pct";
+  if (!name.ends_with(kUnit)) return false;
+  const auto symbol = without_robot(name.substr(0, name.size() - kUnit.size()));
+  return ("_" + std::string(symbol) + "_").find("_level_") != std::string::npos;
+}
+
 bool is_structure_temperature(const Channel& channel) {
   const std::string& symbol = channel.symbol;
   return (channel.unit == "degC" || channel.unit == "K") && !symbol.starts_with("air") &&

@@ -45,6 +45,9 @@ SummaryUnit summary_unit(std::string_view unit);
 // q1, q2, ... (motor coordinates as read back), x y z rx ry rz (pose), tNN (structure temperature).
 bool is_motor_symbol(std::string_view symbol);
 bool is_pose_symbol(std::string_view symbol);
+// Light that an optical instrument gets back, by its full name: a share in pct whose symbol has the
+// word "level", as in level_pct, level_y_pct or level_ma_x_pct.
+bool is_light_level(std::string_view name);
 // A temperature that may stand for the structure: degC or K, not air, not a set-point or a spread.
 bool is_structure_temperature(const Channel& channel);
 

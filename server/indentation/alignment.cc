@@ -75,7 +75,6 @@ Result<TouchPlane> fit_plane(std::span<const TouchPoint> points) {
       .c_mm = at_origin.dot(found),
       .rx_arcsec = arcsec_from_rad(rx_rad),
       .ry_arcsec = arcsec_from_rad(ry_rad),
-      .u_c_nm = nm_from_mm(std::sqrt(at_origin.dot(covariance * at_origin))),
       .u_rx_arcsec = u_arcsec(covariance(1, 1), rx_rad),
       .u_ry_arcsec = u_arcsec(covariance(2, 2), ry_rad),
       .largest_residual_nm = nm_from_mm((height_mm - design * found).cwiseAbs().maxCoeff()),

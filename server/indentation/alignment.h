@@ -24,7 +24,7 @@ struct TouchPoint {
 
 struct TouchPlane {
   double c_mm = 0, rx_arcsec = 0, ry_arcsec = 0;
-  double u_c_nm = 0, u_rx_arcsec = 0, u_ry_arcsec = 0;  // from the points' u
+  double u_rx_arcsec = 0, u_ry_arcsec = 0;  // from the points' u
   double largest_residual_nm = 0;
   double spread_nm = 0;  // highest minus lowest contact
 };

@@ -175,7 +175,13 @@ ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& de
     limit.source = "a finite number";
     return limit;
   }
-  return by_unit(unit);
+  auto limit = by_unit(unit);
+  if (device.role() == DeviceRole::environment && unit == "pct") {
+    limit.min = 0;
+    limit.max = 100;
+    limit.source = "relative humidity";
+  }
+  return limit;
 }
 
 }  // namespace

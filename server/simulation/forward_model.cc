@@ -22,7 +22,6 @@ constexpr double kJacobianStep = 1e-6;  // of the half range; central difference
 Result<ForwardModel> ForwardModel::create(const calibration::Model& model,
                                           const std::vector<std::string>& symbols) {
   ForwardModel forward;
-  forward.symbols_ = symbols;
   std::vector<effects::Term> terms;
   for (const auto& output : model.outputs) {
     forward.motor_symbols_.push_back(output.channel.symbol);

@@ -42,7 +42,7 @@ class ForwardModel {
   Result<Eigen::VectorXd> model_at(const effects::TermEvaluator& memory, double time_s,
                                    std::vector<double>& values, const Eigen::VectorXd& pose) const;
 
-  std::vector<std::string> pose_symbols_, motor_symbols_, symbols_;
+  std::vector<std::string> pose_symbols_, motor_symbols_;
   std::vector<std::size_t> pose_columns_;
   std::vector<double> middle_, half_range_;
   std::vector<std::pair<std::size_t, Eigen::VectorXd>>

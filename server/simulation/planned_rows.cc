@@ -24,11 +24,9 @@ struct PlannedTable {
 
 }  // namespace
 
-PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times,
-                       const std::vector<double>& start) {
+PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times) {
   PointTimes out;
-  std::vector<double> at = start;
-  at.resize(trajectory.coordinates.size(), 0.0);
+  std::vector<double> at(trajectory.coordinates.size(), 0.0);
   double now_s = 0;
   std::optional<double> force_n;
   for (const auto& point : trajectory.points) {

@@ -30,10 +30,8 @@ struct PointTimes {
   std::vector<double> time_s, dwell_s;
   double total_s = 0;
 };
-// All axes move at once. start: where they stand, mm or arcsec; as many as coordinates, or none for
-// 0.
-PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times,
-                       const std::vector<double>& start = {});
+// All axes move at once, from 0.
+PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times);
 
 // conditions: symbol and value of every channel that no point moves; the force where points say
 // none. model: motor coordinates from poses; the trajectory's coordinates are motor coordinates.

@@ -16,7 +16,7 @@ tl::unexpected<Error> bad_plan(const std::string& sentence) {
 }
 
 // Trajectories are read by people too: whole nanometres.
-double rounded_mm(double mm) { return std::round(mm * 1e6) / 1e6; }
+double to_whole_nm(double mm) { return std::round(mm * 1e6) / 1e6; }
 
 double uniform01(std::uint32_t& state) {  // xorshift32 (Marsaglia 2003): the same on every machine
   state ^= state << 13;
@@ -41,7 +41,7 @@ class Writer {
   void go_to(std::vector<double> axes_mm, std::optional<double> dwell_s = {}) {
     for (const auto& other : held_) axes_mm.push_back(other.at_mm);
     TrajectoryPoint point;
-    for (const std::size_t i : order_) point.target.push_back(rounded_mm(axes_mm[i]));
+    for (const std::size_t i : order_) point.target.push_back(to_whole_nm(axes_mm[i]));
     point.line = line_;
     point.dwell_s = dwell_s;
     trajectory_.points.push_back(std::move(point));
@@ -72,7 +72,7 @@ std::vector<double> scattered_positions(const Iso2302Plan& plan) {
   for (int i = 0; i < plan.positions; ++i) {
     const double aside = (2 * uniform01(state) - 1) * plan.scatter * step_mm;
     const double at_mm = plan.from_mm + i * step_mm + aside;
-    out.push_back(rounded_mm(std::clamp(at_mm, plan.from_mm, plan.to_mm)));
+    out.push_back(to_whole_nm(std::clamp(at_mm, plan.from_mm, plan.to_mm)));
   }
   return out;
 }

@@ -41,7 +41,8 @@ Result<Computed> computed_table(const formats::IndentationFile& file,
   DRIFTWISE_TRY(const auto indents, indentation::indents_seen(record, rows));
   DRIFTWISE_TRY(const auto table, indentation::indent_table(indents, file.tool));
   DRIFTWISE_TRY(const auto report, indentation::tip_report(table, file.wanted_um));
-  return Computed{formats::indents_json(table, report, file.tool), report.verdict, report.conformity};
+  return Computed{formats::indents_json(table, report, file.tool), report.verdict,
+                  report.conformity};
 }
 
 Result<IndentationView> view_of(IndentationRecord& record) {

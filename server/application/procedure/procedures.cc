@@ -91,13 +91,16 @@ Awaitable<Result<std::vector<ProcedureStep>>> Procedures::steps() {
 
 // The one that serves, else the newest that can be read.
 Awaitable<Result<void>> Procedures::look_at_model(ProcedureFacts& facts) {
-  DRIFTWISE_CO_TRY(const auto records, co_await cell_.models.list());
+  DRIFTWISE_CO_TRY(const auto listed, co_await cell_.models.list());
   const auto serving = cell_.overview.status().serving;
-  const ModelRecord* chosen = nullptr;
-  for (const auto& record : records) {
+  std::optional<ModelId> best;
+  for (const auto& [record, summary] : listed) {
     if (!record.damage.empty()) continue;
-    if (!chosen || serving == record.id || serving != chosen->id) chosen = &record;
+    if (!best || serving == record.id || serving != *best) best = record.id;
   }
+  if (!best) co_return Result<void>{};
+  auto getting = cell_.models.get(*best);
+  const auto chosen = co_await std::move(getting);
   if (!chosen) co_return Result<void>{};
   const auto model = formats::read_model_json(chosen->json);
   if (!model) co_return Result<void>{};

@@ -26,12 +26,15 @@ struct DeviceKind {
   DeviceRole role;
   // Reads what belongs to the kind into description.settings, which hold the role's defaults.
   void (*read_settings)(SettingsReader& reader, DeviceDescription& device);
-  // Channels that a device with these settings gives.
+  // Every channel that a reading of a device with these settings and options can hold: the one list
+  // for duplicates, holds, limits, alarms and datasets.
   std::vector<Channel> (*channels)(const DeviceDescription& device);
   // The driver behind the role's port. Connects in prepare() or the first call, not here.
   // Errors: invalid_argument naming the option or the key.
   Result<MadeDevice> (*make)(const DeviceDescription& device, const DeviceContext& context);
   std::span<const OutputOption> output_options = {};
+  // Takes turns with devices of other kinds behind one serial server (host:port).
+  bool shares_line = false;
 };
 
 // In the order in which messages name them.

@@ -125,20 +125,6 @@ void read_temperature_settings(SettingsReader& reader, DeviceDescription& device
   device.settings = std::move(settings);
 }
 
-void read_quantity_settings(SettingsReader& reader, DeviceDescription& device) {
-  std::vector<QuantityDescription> quantities;
-  reader.each("quantity", [&](SettingsReader& one) {
-    auto& quantity = quantities.emplace_back();
-    one.channel("channel", quantity.channel, Need::required);
-    one.number("u", quantity.u, {.min = 0});
-    one.give("channel", quantity.channel.name());
-  });
-  if (device.role() == DeviceRole::force)
-    device.settings = ForceSettings{std::move(quantities)};
-  else
-    device.settings = EnvironmentSettings{std::move(quantities)};
-}
-
 void read_stabiliser_settings(SettingsReader& reader, DeviceDescription& device) {
   device.settings = StabiliserSettings{};
   reader.give("id", device.id + "_degC");

@@ -17,8 +17,6 @@ void read_length_settings(SettingsReader& reader, DeviceDescription& device);
 void read_angle_settings(SettingsReader& reader, DeviceDescription& device);
 // [[device.probe]]: temperatures in degC, each input once.
 void read_temperature_settings(SettingsReader& reader, DeviceDescription& device);
-// [[device.quantity]]: channel and u, for role force or environment.
-void read_quantity_settings(SettingsReader& reader, DeviceDescription& device);
 // No key of its own: channels are named after the id.
 void read_stabiliser_settings(SettingsReader& reader, DeviceDescription& device);
 // No key of its own: the kind names its channels after the id.

@@ -42,12 +42,13 @@ std::string digits_text(double value, int significant, bool sign) {
   return digits;
 }
 
-std::string mean_text(double mean, double a90, int significant) {
-  const double beside = std::isfinite(a90) ? rounded_to(std::abs(a90), significant) : 0;
-  if (!std::isfinite(mean) || beside == 0) return digits_text(mean, significant, true);
-  const int last = exponent_of(beside) - (significant - 1);
+std::string mean_text(double mean, double a90) {
+  constexpr int kSignificant = 3;
+  const double beside = std::isfinite(a90) ? rounded_to(std::abs(a90), kSignificant) : 0;
+  if (!std::isfinite(mean) || beside == 0) return digits_text(mean, kSignificant, true);
+  const int last = exponent_of(beside) - (kSignificant - 1);
   const double steps = std::round(mean / std::pow(10, last));
-  return digits_text(steps * std::pow(10, last), significant, true);
+  return digits_text(steps * std::pow(10, last), kSignificant, true);
 }
 
 SizeUnit size_unit(std::initializer_list<double> sizes, std::string_view unit) {

@@ -12,10 +12,10 @@ namespace driftwise {
 // what is not finite.
 std::string digits_text(double value, int significant = 3, bool sign = false);
 
-// A mean beside the A90 of the same errors, to the last of the A90's significant digits: "+24.3"
-// beside 42.0, "+0.62" beside 9.24, "0" where it is less than that. Finer digits of a mean say
-// nothing, and those of one that a fit makes zero are the machine's rounding.
-std::string mean_text(double mean, double a90, int significant = 3);
+// A mean beside the A90 of the same errors, to the last of the A90's three significant digits:
+// "+24.3" beside 42.0, "+0.62" beside 9.24, "0" where it is less than that. Finer digits of a mean
+// say nothing, and those of one that a fit makes zero are the machine's rounding.
+std::string mean_text(double mean, double a90);
 
 // The unit in which sizes that stand together are all written: of lengths in nm, "nm" while the
 // largest is below 10 000 nm, "um" below 1 mm, else "mm"; any other unit stays.

@@ -26,7 +26,8 @@ std::string shown(std::string_view text) {
 }
 
 std::string number_text(double value) {
-  if (!std::isfinite(value)) return "not a number";
+  if (std::isnan(value)) return "not a number";
+  if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
   char digits[32];
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }

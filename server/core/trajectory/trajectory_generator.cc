@@ -24,9 +24,12 @@ tl::unexpected<Error> bad_request(const std::string& what) {
 
 Result<void> check_axis(const GeneratorAxis& axis) {
   const std::string name = "axis " + axis.coordinate.name();
-  if (axis.coordinate.unit != "mm" ||
-      !(is_motor_symbol(axis.coordinate.symbol) || is_pose_symbol(axis.coordinate.symbol)))
-    return bad_request(name + ": expected a motor coordinate such as q1_mm or a pose in mm, x_mm");
+  const auto symbol = without_robot(axis.coordinate.symbol);
+  if (axis.coordinate.unit != "mm" || !(is_motor_symbol(symbol) || is_pose_symbol(symbol)))
+    return bad_request(
+        name +
+        ": expected a motor coordinate such as q1_mm or a pose in mm, x_mm, with the "
+        "robot's id before it in a cell of several robots: ma.q1_mm");
   if (!std::isfinite(axis.from_mm) || !std::isfinite(axis.to_mm) || axis.to_mm < axis.from_mm)
     return bad_request(name + ": expected finite from_mm and to_mm, from_mm not above to_mm");
   if (axis.count < 1 || axis.count > 10'000 || (axis.count > 1 && axis.to_mm == axis.from_mm))

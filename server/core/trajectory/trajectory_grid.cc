@@ -19,7 +19,7 @@ std::string points_text(double points) {
   return text;
 }
 
-double rounded_mm(double mm) { return std::round(mm * 1e9) / 1e9; }
+double to_whole_pm(double mm) { return std::round(mm * 1e9) / 1e9; }
 
 tl::unexpected<Error> bad_plan(const std::string& message) {
   return fail(ErrorCode::invalid_argument, reasons::kBadPlan, message);
@@ -121,7 +121,7 @@ double GridRange::count() const { return std::floor((to_mm - from_mm) / step_mm 
 std::int64_t GridRange::levels() const { return static_cast<std::int64_t>(count()); }
 
 double GridRange::level_mm(std::int64_t i) const {
-  return rounded_mm(from_mm + static_cast<double>(i) * step_mm);
+  return to_whole_pm(from_mm + static_cast<double>(i) * step_mm);
 }
 
 Result<void> append_block(Trajectory& trajectory, const PlanBlock& block) {

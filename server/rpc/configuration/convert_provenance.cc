@@ -1,6 +1,7 @@
 #include "server/rpc/configuration/convert_provenance.h"
 
 #include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/row_ranges.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -16,18 +17,6 @@ v1::LengthChange length_from(const LengthChange& change) {
   out.set_rms_nm(change.rms_nm);
   out.set_diagnosed(change.diagnosed);
   return out;
-}
-
-void add_rows(const RowsOfRun& rows, v1::PreviewExtensionResponse& out) {
-  for (std::size_t i = 0; i < rows.rows.size();) {
-    std::size_t end = i + 1;
-    while (end < rows.rows.size() && rows.rows[end] == rows.rows[end - 1] + 1) ++end;
-    auto& range = *out.add_excluded();
-    range.set_run_id(rows.run.value);
-    range.set_first_row(shown_row(rows.rows[i]));
-    range.set_last_row(shown_row(rows.rows[end - 1]));
-    i = end;
-  }
 }
 
 }  // namespace
@@ -86,7 +75,7 @@ v1::PreviewExtensionResponse preview_from(const application::ExtensionPreview& p
   for (const auto& change : preview.changes) *out.add_changes() = length_from(change);
   out.set_earlier_runs(preview.earlier_runs);
   out.set_later_runs(preview.later_runs);
-  for (const auto& rows : preview.excluded) add_rows(rows, out);
+  for (const auto& rows : preview.excluded) add_excluded_ranges(rows, out);
   for (const auto& sentence : preview.further) out.add_further(utf8_from(sentence));
   for (const auto& question : preview.promotion_questions)
     out.add_promotion_questions(utf8_from(question));

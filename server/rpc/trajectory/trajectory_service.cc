@@ -33,7 +33,7 @@ v1::Trajectory kept_trajectory_from(const KeptTrajectory& kept) {
 Result<GeneratorPlan> generator_plan_from(const v1::GenerateTrajectoryRequest& request) {
   GeneratorPlan plan;
   for (const auto& axis : request.axes()) {
-    auto coordinate = parse_channel(axis.coordinate());
+    auto coordinate = parse_robot_channel(axis.coordinate());
     if (!coordinate)
       return fail(ErrorCode::invalid_argument, reasons::kBadPlan,
                   "axes: " + coordinate.error().message);

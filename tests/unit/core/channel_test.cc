@@ -66,5 +66,12 @@ TEST(SummaryUnit, GivesLengthsInNanometresAndAnglesInArcseconds) {
   EXPECT_EQ(summary_unit("degC").unit, "degC");
 }
 
+TEST(Channel, IsLightByTheWordLevelInItsName) {
+  for (const char* name : {"level_pct", "level_y_pct", "ma.level_pct", "level_ma_x_pct"})
+    EXPECT_TRUE(is_light_level(name)) << name;
+  for (const char* name : {"support_power_pct", "humidity_pct", "levels_pct", "level_mm"})
+    EXPECT_FALSE(is_light_level(name)) << name;
+}
+
 }  // namespace
 }  // namespace driftwise

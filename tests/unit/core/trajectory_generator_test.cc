@@ -84,6 +84,20 @@ TEST(GeneratedTrajectory, ASeedGivesTheSameOrderEachTime) {
   EXPECT_EQ(sorted, plain);
 }
 
+TEST(GeneratedTrajectory, NamesTheAxesOfOneOfSeveralRobots) {
+  auto plan = plane();
+  plan.axes[0].coordinate = {"ma.q1", "mm"};
+  plan.axes[1].coordinate = {"mb.q1", "mm"};
+  const auto trajectory = generate_trajectory(plan);
+  ASSERT_TRUE(trajectory) << trajectory.error().message;
+  EXPECT_EQ(trajectory->coordinates[0].name(), "ma.q1_mm");
+  EXPECT_EQ(trajectory->points.size(), 4U * 3 + 3);
+  plan.axes[0].coordinate = {"ma.force", "mm"};
+  const auto refused = generate_trajectory(plan);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("ma.q1_mm"), std::string::npos);
+}
+
 TEST(GeneratedTrajectory, RefusesWhatMakesNoSense) {
   const auto reason = [](const GeneratorPlan& plan) {
     const auto made = generate_trajectory(plan);

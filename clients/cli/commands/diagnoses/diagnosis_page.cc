@@ -69,7 +69,8 @@ void print_outputs(const Console& console, const v1::Diagnosis& diagnosis) {
 
 void print_finding(const Console& console, const v1::Finding& finding) {
   console.out << '\n'
-              << console.paint_out().bold(std::to_string(finding.number()) + "  " + cause_of(finding))
+              << console.paint_out().bold(std::to_string(finding.number()) + "  " +
+                                          cause_of(finding))
               << "  (applies to the " << finding.applies_to() << ", p "
               << significant(finding.p_adjusted(), 2) << ")\n   " << finding.sentence() << '\n';
   for (const auto& parameter : finding.parameters()) {
