@@ -161,6 +161,11 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
   if (recalls_reference_)
     referenced_ =
         co_await kept_reference(bench_.writer, run.record.created, bench_.clock.now().utc);
+  // A run that begins: the axes as a person asked for motion of them.
+  if (!referenced_ && may_start_) {
+    const auto state = co_await bench_.devices.motion_state();
+    if (state) co_await note_reference(state->referenced);
+  }
   while (true) {
     const auto attempts_before = run.record.accepted + run.record.given_up;
     Result<void> outcome = co_await walk(run);

@@ -9,7 +9,6 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/application/ports/run_hold.h"
 #include "server/application/recording/doubts.h"
-#include "server/application/runs/reference_record.h"
 #include "server/application/runs/run_state_store.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -23,7 +22,6 @@ RunsService::RunsService(Workbench& bench, StoreReader& reader, RunEngine& engin
     : description_(bench.description),
       clock_(bench.clock),
       recorder_(bench.recorder),
-      devices_(bench.devices),
       writer_(bench.writer),
       events_(bench.events),
       stops_(bench.stops),
@@ -132,7 +130,6 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
   DRIFTWISE_CO_TRY(auto prepared, co_await prepare(request));
   if (request.validate_only) co_return co_await would_be(request, prepared);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(prepared.plan));
-  prepared.referenced = co_await look_for_reference();
   if (stop_events_.presses() != stops)
     co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
                    "a stop was asked for while the trajectory was read: start the run again");
@@ -203,16 +200,6 @@ Awaitable<Result<void>> RunsService::follow_for(const RunPlan& plan) {
   co_return co_await serving_.follow(std::move(record));
 }
 
-// Not of a controller that is known to be away: its time-out would be the answer's.
-Awaitable<std::optional<bool>> RunsService::look_for_reference() {
-  const auto away = devices_.lost();
-  for (const auto device : devices_.with_role(DeviceRole::motion))
-    if (std::ranges::find(away, devices_.description(device).id) != away.end())
-      co_return std::nullopt;
-  const auto state = co_await devices_.motion_state();
-  co_return state ? std::optional(state->referenced) : std::nullopt;
-}
-
 Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun request,
                                                     Prepared prepared) {
   auto& plan = prepared.plan;
@@ -232,10 +219,6 @@ Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun req
   fresh.metadata = request.metadata;
   fresh.queue_entry = request.queue_entry;
   const auto stops = stop_events_.presses();
-  if (prepared.referenced) {
-    auto keeping = keep_reference(writer_, fresh.created.utc, 0, *prepared.referenced);
-    co_await std::move(keeping);
-  }
   auto stored = co_await writer_.runs().create_run(fresh);
   if (!stored) co_return stored;
   const bool is_new = stored->state == RunState::queued || stored->state == RunState::paused;

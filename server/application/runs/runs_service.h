@@ -47,7 +47,6 @@ class RunsService final : public Runs {
   struct Prepared {
     RunPlan plan;
     Trajectory trajectory;
-    std::optional<bool> referenced = {};  // the axes, now; empty: not known
   };
   Awaitable<Result<Prepared>> prepare(const CreateRun& request);
   Awaitable<Result<RunRecord>> would_be(const CreateRun& request, const Prepared& prepared);
@@ -61,8 +60,6 @@ class RunsService final : public Runs {
                                               const std::string& name);
   Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, Prepared prepared);
   RunRecord present() const;
-  // Whether the axes are referenced now; empty: their controller does not say.
-  Awaitable<std::optional<bool>> look_for_reference();
   // Of the run under way. It ends with the run: not to be kept over a wait.
   Result<RunControl*> control_of(RunId run, const char* verb);
   // Whether this person may end the hold of this run now. Errors: those of StopDesk::check;
@@ -76,7 +73,6 @@ class RunsService final : public Runs {
   const CellDescription& description_;
   Clock& clock_;
   Recorder& recorder_;
-  DeviceBench& devices_;
   StoreWriter& writer_;
   EventLog& events_;
   StopDesk& stops_;
