@@ -161,8 +161,9 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
   if (recalls_reference_)
     referenced_ =
         co_await kept_reference(bench_.writer, run.record.created, bench_.clock.now().utc);
-  // A run that begins: the axes as a person asked for motion of them.
-  if (!referenced_ && may_start_) {
+  // A run that begins, or whose daemon ended before it looked: the axes as they are found.
+  const bool has_tried = run.record.accepted + run.record.given_up > 0;
+  if (!referenced_ && (may_start_ || !has_tried)) {
     const auto state = co_await bench_.devices.motion_state();
     if (state) co_await note_reference(state->referenced);
   }
