@@ -217,7 +217,7 @@ bool is_refused_outside(const Snapshot& snapshot, const Target& target) {
   return snapshot.refuse_outside_domain && (target.outside | snapshot.zero_outside) != 0;
 }
 
-// What is said of a request before its motor coordinates are known.
+// Flags and refusals of a request that need no motor coordinates.
 Refusal judge_request(const Snapshot& snapshot, const TargetRequest& request, Target& target,
                       double& largest_excess) {
   target.outputs = snapshot.outputs.size();

@@ -36,7 +36,7 @@ calibration::NoiseSpectrum noise_of(const Eigen::Ref<const Eigen::MatrixXd>& q,
   if (rows <= kAllRows) {
     const Eigen::MatrixXd taken = directions_taken(q);
     auto noise = calibration::noise_spectrum(taken, residuals, rows);
-    // What rounding the count of directions changed.
+    // Correction for the rounded count of directions.
     const double factor = static_cast<double>(rows - taken.cols()) / freedom;
     noise.white *= factor;
     for (auto& part : noise.slow) part.variance *= factor;

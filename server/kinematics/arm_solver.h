@@ -37,7 +37,7 @@ class ArmSolver {
       turn_[j] = between[j].linear(), shift_[j] = between[j].translation();
   }
 
-  // Where the angles bring the tool, as far as a step needs it.
+  // The tool's place at some angles, as far as a step needs it.
   struct There {
     Angles missing;                           // mm; the turn that is missing, times the reach
     Square jacobian;                          // mm per rad, likewise

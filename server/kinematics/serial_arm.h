@@ -41,9 +41,9 @@ class SerialArm final : public Mechanism {
   Posture posture(std::span<const double> inputs, const Eigen::VectorXd& values,
                   Derivatives by_parameters = Derivatives::no) const;
 
-  // What stands still between two joints: from the measuring frame to the first joint, from each
-  // joint to the next, behind the last to the tool. Each joint turns about z in between, by its
-  // angle and its errors. values: as for predict().
+  // Frames that stand still between two joints: from the measuring frame to the first joint, from
+  // each joint to the next, behind the last to the tool. Each joint turns about z in between, by
+  // its angle and its errors. values: as for predict().
   std::vector<Eigen::Isometry3d> between_joints(const Eigen::VectorXd& values) const;
 
  private:

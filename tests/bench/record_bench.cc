@@ -1,4 +1,4 @@
-// What long records cost, each against a floor of bare SQLite on the same file: a page of points, a
+// Costs of long records, each against a floor of bare SQLite on the same file: a page of points, a
 // dataset with rows kept out, a step of a thinning, an import.
 //
 //   record_bench [folder [rows]]      prints one JSON object; rows: 100000

@@ -123,7 +123,7 @@ void AlarmBook::publish_unstored() {
   for (const auto& alarm : news) watchers_.publish(alarm);
 }
 
-// What a change of the record says, with what the record does not have yet.
+// A changed record for the watchers, with the message and the end that the store does not have yet.
 AlarmRecord AlarmBook::publish(AlarmRecord stored) {
   if (const auto ended = ended_.find(stored.id); ended != ended_.end()) {
     stored.cleared = ended->second.cleared;

@@ -150,7 +150,7 @@ calibration::OutputModel output_of(const identification::Judgement& judged, std:
   return output;
 }
 
-// How the residuals follow one another, and what each term moves, over the calibration rows.
+// Autocorrelation of the residuals, and what each term moves, over the calibration rows.
 Result<void> add_row_figures(const Dataset& data, const identification::Identification& found,
                              calibration::Model& model) {
   DRIFTWISE_TRY(const auto read, identification::mechanism_data(data, *found.mechanism));

@@ -469,7 +469,7 @@ Awaitable<Result<void>> DeviceBench::prepare(std::size_t device) {
   Slot& slot = *slots_[device];
   const auto lock = co_await slot.mutex.lock();
   auto prepared = co_await slot.made.device().prepare();
-  // Who it is says nothing of its data: a device that gave none is back when it gives some.
+  // An identity says nothing of the data: a device that gave none is back when it gives some.
   if (!prepared || slot.failures == 0) note(slot, prepared);
   co_return prepared;
 }

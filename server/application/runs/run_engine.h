@@ -172,7 +172,7 @@ class RunEngine {
   bool may_start_ = true;   // false: power or the daemon was away, and nobody has said it yet
   bool computer_was_away_ = false;
   bool had_datum_ = false;
-  // Axes when the run was asked for or a person asked for motion, or seen since; empty: not known.
+  // Axes when the run began or a person asked for motion, or seen since; empty: not known.
   std::optional<bool> referenced_;
   bool recalls_reference_ = true;  // from the record, when it begins
   std::int64_t reference_notes_ = 0;

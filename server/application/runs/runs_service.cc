@@ -133,7 +133,8 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
   if (stop_events_.presses() != stops)
     co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
                    "a stop was asked for while the trajectory was read: start the run again");
-  co_return co_await start_run(std::move(caller), std::move(request), std::move(prepared));
+  co_return co_await start_run(std::move(caller), std::move(request), std::move(prepared.plan),
+                               std::move(prepared.trajectory));
 }
 
 Awaitable<Result<RunRecord>> RunsService::would_be(const CreateRun& request,
@@ -200,10 +201,8 @@ Awaitable<Result<void>> RunsService::follow_for(const RunPlan& plan) {
   co_return co_await serving_.follow(std::move(record));
 }
 
-Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun request,
-                                                    Prepared prepared) {
-  auto& plan = prepared.plan;
-  auto& trajectory = prepared.trajectory;
+Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun request, RunPlan plan,
+                                                    Trajectory trajectory) {
   NewRun fresh;
   fresh.name = request.name.empty() ? request.trajectory_name : request.name;
   fresh.trajectory_name = request.trajectory_name;

@@ -58,7 +58,8 @@ class RunsService final : public Runs {
   // What the targets of a compensated run's rows come from, as it is now.
   Awaitable<Result<void>> settle_compensation(RunPlan& plan, const Trajectory& trajectory,
                                               const std::string& name);
-  Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, Prepared prepared);
+  Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, RunPlan plan,
+                                         Trajectory trajectory);
   RunRecord present() const;
   // Of the run under way. It ends with the run: not to be kept over a wait.
   Result<RunControl*> control_of(RunId run, const char* verb);

@@ -2,7 +2,7 @@
 // The catalogue of arms: errors of joints beyond the drawing (server/kinematics/joint_errors.h),
 // each as the turns of a joint that a unit of its numbers gives on every row of a dataset.
 //
-// What each amplitude typically is, with its source: docs/diagnosis.md, "Physics". Nothing here
+// Typical amplitudes, with their sources: docs/diagnosis.md, "Physics". Nothing here
 // knows an arm but by its drawing.
 
 #include <Eigen/Core>

@@ -23,7 +23,7 @@ constexpr double kFewOf = 0.5;       // different values over rows
 constexpr double kOnLattice = 1e-9;  // of the range
 constexpr double kMostSites = 1e5;   // of a lattice that says something
 constexpr double kSitesTaken = 0.1;  // of a lattice, by a reading in fine steps
-constexpr double kNear = 0.1;        // of its values, that the noise does not tell from the next
+constexpr double kNearShare = 0.1;   // of its values, that the noise does not tell from the next
 constexpr double kToldApart = 3;     // standard deviations of the noise
 
 struct Scaled {
@@ -119,7 +119,7 @@ bool is_read_in_steps(const std::vector<double>& values, double noise) {
   double near = 0;
   for (std::size_t i = 1; i < sorted.size(); ++i)
     near += sorted[i] - sorted[i - 1] < kToldApart * noise ? 1 : 0;
-  return near > kNear * (count - 1);
+  return near > kNearShare * (count - 1);
 }
 
 std::size_t different_places(const std::vector<const std::vector<double>*>& coordinates) {

@@ -21,8 +21,8 @@ constexpr double kBetween = 4.5;     // robust standard deviations: 1 row of 150
 constexpr std::size_t kNearby = 40;  // rows to either side in time that tell the spread there
 constexpr std::size_t kBeside = 3;   // rows to either side in position
 constexpr double kOwn = 0.5;         // of a wrong row, beyond what those beside it share
-constexpr double kSurelyGross = 0.9;  // posterior
-constexpr Eigen::Index kNear = 3;     // rows apart: what two of them share lasts longer than a row
+constexpr double kSurelyGross = 0.9;   // posterior
+constexpr Eigen::Index kNearRows = 3;  // rows apart: what two of them share lasts longer than a row
 // A spread that grows little by little with the hour does so in all outputs, and is no change at an
 // instant: a third of the gain again for each of them, where chance alone would take 3.4.
 // An output has a change that others have where it gains as much itself: at one instant, 1 in 600
@@ -229,8 +229,8 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
     for (std::size_t k = 0; k < wrong.size(); ++k) {
       const Eigen::Index i = wrong[k];
       const auto at = static_cast<std::size_t>(i);
-      const bool near_another = (k > 0 && i - wrong[k - 1] <= kNear) ||
-                                (k + 1 < wrong.size() && wrong[k + 1] - i <= kNear);
+      const bool near_another = (k > 0 && i - wrong[k - 1] <= kNearRows) ||
+                                (k + 1 < wrong.size() && wrong[k + 1] - i <= kNearRows);
       if (!near_another && std::abs(left[i] - beside[at]) >= kOwn * std::abs(left[i]))
         rows.push_back({problem.learn[at], problem.outputs[at_output].channel.symbol, p});
     }

@@ -131,7 +131,8 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   throw Failure{ExitCode::usage, "usage", "USAGE", message};
 }
 
-// What the daemon's diagnosis of runs does not read would be dropped without a word.
+// Options of a file's diagnosis, which the daemon's diagnosis of runs does not read: refused, not
+// dropped without a word.
 void refuse_file_options(const CLI::App& command) {
   for (const char* name :
        {"--report", "--separating", "--robot-out", "--nulls", "--most", "--budget", "--threads"})

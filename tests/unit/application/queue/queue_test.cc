@@ -8,78 +8,16 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "server/application/plumbing/crash_point.h"
-#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/queue/queue_cell.h"
 #include "tests/unit/application/shared_world.h"
-#include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
 namespace {
 
-using application::QueueDraft;
-using application::QueueLine;
 using testing::HasSubstr;
-
-const std::string kShort = lines_of(1, {1, -2}, true);
-
-QueueDraft draft(const std::string& name) {
-  QueueDraft d;
-  d.name = name;
-  d.trajectory_name = name + ".csv";
-  d.trajectory_text = kShort;
-  return d;
-}
-
-// Declared by the interferometer, which never gives it.
-CellDescription with_pressure(CellDescription cell) {
-  for (auto& device : cell.devices)
-    if (device.length()) device.channels.push_back({"pressure", "hPa"});
-  return cell;
-}
-
-class QueueTest : public testing::Test {
- protected:
-  QueueLine add(QueueDraft d) {
-    auto line = cell.await(cell->queue.add(cell.ada, std::move(d)));
-    if (!line) throw std::runtime_error(line.error().message);
-    return *line;
-  }
-  QueueEntry look(const QueueLine& line) { return cell->queue.get(line.entry.id)->entry; }
-  QueueState state_of(const QueueLine& line) { return look(line).state; }
-  std::string waits_for(const QueueLine& line) { return cell->queue.get(line.entry.id)->waits_for; }
-  void until(const QueueLine& line, QueueState state) {
-    cell.until([&] { return state_of(line) == state; });
-  }
-  void write_template() {
-    std::ofstream(folder / "report.html")
-        << "<script type=\"application/json\" id=\"report-data\">null</script>";
-  }
-  static nlohmann::json report_in(const std::string& path) {
-    std::ifstream file(path);
-    const std::string page{std::istreambuf_iterator<char>(file), {}};
-    const auto begin = page.find('{');
-    return nlohmann::json::parse(page.substr(begin, page.find("</script>") - begin));
-  }
-  QueueHold hold() { return cell->queue.list().hold; }
-  void release() { ASSERT_TRUE(cell.await(cell->queue.release(cell.ada))); }
-  void give_up_lease(const std::string& token) {
-    ASSERT_TRUE(cell->manual.give_up_lease(cell.ada, token));
-  }
-  std::vector<std::string> names_of_runs() {  // oldest first
-    std::vector<std::string> names;
-    const auto runs = cell.await(cell.runs(0, 0));
-    for (const auto& run : *runs) names.insert(names.begin(), run.name);
-    return names;
-  }
-
-  Folder folder;
-  SmallWorld world;
-  CellInMemory cell{world, with_pressure(small_cell(folder / "cell.sqlite")), kSqlite};
-};
 
 TEST_F(QueueTest, MakesARunOfEachEntryInTurn) {
   auto first = draft("a");
@@ -325,77 +263,6 @@ TEST_F(QueueTest, FitsAndNotifiesWhenTheRunIsDone) {
   ASSERT_NE(told, alarms->end());
   EXPECT_THAT(told->message,
               HasSubstr("queue entry 1 'night 2' is done: 20 of 20 rows accepted in run 1"));
-}
-
-TEST_F(QueueTest, WritesAReportBesideTheDatabase) {
-  write_template();
-  auto d = draft("night");
-  d.metadata = {{"sample", "A12"}};
-  d.follow_ups = {"report"};
-  const auto a = add(d);
-  until(a, QueueState::done);
-  const auto path = folder / "reports/queue-1-run-1.html";
-  EXPECT_THAT(look(a).results.at(0).text, HasSubstr("the report " + path + " was written"));
-  const auto report = report_in(path);
-  EXPECT_EQ(report["run"]["accepted"], 3);
-  EXPECT_EQ(report["run"]["metadata"]["sample"], "A12");
-  EXPECT_EQ(report["points"]["count"], 3);
-  EXPECT_THAT(report["run"]["start"].get<std::string>(), HasSubstr("2026-11-21T08:"));
-  EXPECT_EQ(report["queue"]["entry"], 1);
-}
-
-TEST_F(QueueTest, TheReportTellsOfTheEntriesThatItCameAfterWithTheirFitAndTheirAlarms) {
-  write_template();
-  auto first = draft("friday");
-  first.trajectory_text = kShort + "0,calibration,1,1\n";
-  first.follow_ups = {"notify"};
-  const auto a = add(first);
-  auto second = draft("saturday");
-  second.trajectory_text = lines_of(2, {-4, -2, -1, 1, 2, 4}, true);
-  second.after = a.entry.id;
-  second.follow_ups = {"fit:q ~ x", "report"};
-  const auto b = add(second);
-  until(a, QueueState::done);
-  const auto alarms = cell.await(cell->alarms.list(false, 10));
-  const auto told = std::ranges::find(*alarms, "queue.done", &AlarmRecord::kind);
-  ASSERT_NE(told, alarms->end());
-  ASSERT_TRUE(cell.await(cell->alarms.acknowledge({"bob", "", {}}, told->id)));
-  until(b, QueueState::done);
-  const auto report = report_in(folder / "reports/queue-2-run-2.html");
-  const auto& entries = report["queue"]["entries"];
-  ASSERT_EQ(entries.size(), 2u);
-  EXPECT_EQ(entries[0]["name"], "friday");
-  EXPECT_EQ(entries[0]["run_state"], "done");
-  EXPECT_EQ(entries[1]["after"], 1);
-  ASSERT_EQ(report["models"].size(), 1u);
-  EXPECT_EQ(report["models"][0]["formula"], "q ~ x");
-  EXPECT_EQ(report["models"][0]["residuals"][0]["output"], "q1");
-  const auto alarm = std::ranges::find(report["alarms"], "queue.done", [](const auto& one) {
-    return one["kind"].template get<std::string>();
-  });
-  ASSERT_NE(alarm, report["alarms"].end());
-  EXPECT_EQ((*alarm)["acknowledged_by"], "bob");
-}
-
-TEST_F(QueueTest, AReportWithoutItsTemplateSaysWhatToInstall) {
-  auto d = draft("night");
-  d.follow_ups = {"report"};
-  const auto a = add(d);
-  until(a, QueueState::done);
-  EXPECT_FALSE(look(a).results.at(0).good);
-  EXPECT_THAT(look(a).results.at(0).text, HasSubstr("the page of reports was not found at "));
-}
-
-TEST_F(QueueTest, AReportThatCannotBeWrittenLosesNothingOfTheRun) {
-  write_template();
-  std::ofstream(folder / "reports") << "a file where the folder should be";
-  auto d = draft("night");
-  d.follow_ups = {"report"};
-  const auto a = add(d);
-  until(a, QueueState::done);
-  EXPECT_FALSE(look(a).results.at(0).good);
-  EXPECT_THAT(look(a).results.at(0).text, HasSubstr("cannot be written"));
-  EXPECT_EQ(cell.await(cell.run(*look(a).run))->state, RunState::done);
 }
 
 TEST_F(QueueTest, RefusesWhatCannotBeAndKeepsNothingOfIt) {

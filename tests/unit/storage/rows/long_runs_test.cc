@@ -1,4 +1,4 @@
-// What long runs cost, counted in steps of SQLite's machine and in rows that it sorts: the same on
+// Costs of long runs, counted in steps of SQLite's machine and in rows that it sorts: the same on
 // every computer.
 
 #include <algorithm>
