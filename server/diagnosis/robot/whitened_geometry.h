@@ -42,8 +42,8 @@ std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const P
                                                   const std::vector<NoiseShape>& shapes,
                                                   const std::function<bool()>& tick);
 
-// Effect of one number of a robot on every output, as the root of its mean square over the rows that
-// learn. beyond: learning rows, what nothing else explains. before, after: what is left on the
+// Effect of one number of a robot on every output, as the root of its mean square over the rows
+// that learn. beyond: learning rows, what nothing else explains. before, after: what is left on the
 // judging rows without it and with it; no figures of fewer than four rows.
 std::vector<FindingOutput> outputs_moved(const Problem& problem, const Eigen::VectorXd& beyond,
                                          const Eigen::VectorXd& before,
