@@ -9,6 +9,7 @@ namespace driftwise::tests {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 double true_end_effector_nm(const CellAtWork& cell) {
@@ -70,7 +71,7 @@ TEST(Homing, ByHandOpensADatumFromWhichTargetsCount) {
   EXPECT_THAT(status, testing::Not(HasSubstr("home again")));
 }
 
-TEST(Homing, WithoutAnInterferometerSaysThatTargetsStillCountFromTheDatumBefore) {
+TEST(Homing, WithoutAnInterferometerMovesNothingAndNamesIt) {
   CellAtWork cell;
   cell.start_daemon();
   ASSERT_EQ(cell.end_of(cell.start_run(campaign(2, 4))).at("state"), "done");
@@ -78,8 +79,10 @@ TEST(Homing, WithoutAnInterferometerSaysThatTargetsStillCountFromTheDatumBefore)
   cell.control("fault mute laser-x 1000000 s");
   const auto refused = cell.cli({"home", "--timeout", "100"}, std::chrono::seconds(120));
   EXPECT_NE(refused.code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("laser-x"));
+  EXPECT_THAT(refused.err, HasSubstr("nothing has moved"));
   EXPECT_EQ(cell.count("SELECT count(*) FROM datum"), datums);
-  EXPECT_THAT(cell.say({"status"}), HasSubstr("no datum has been opened since"));
+  EXPECT_THAT(cell.say({"status"}), Not(HasSubstr("no datum has been opened since")));
 }
 
 }  // namespace
