@@ -1,137 +1,18 @@
-// Three set-ups of one robot, joined, against the pose that made them; and wrong joins, each
-// refused for what it is.
+// Three set-ups of one robot, joined, against the pose that made them.
 
 #include "server/correction/dataset_join.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <random>
 
-#include "server/core/units.h"
 #include "server/correction/return_subtraction.h"
+#include "tests/unit/correction/set_ups.h"
 
-namespace driftwise::correction {
+namespace driftwise::correction::set_ups {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double kLever_mm = 12;
-
-struct Pose {
-  double x, y, z, rx, ry, rz;  // mm, arcsec
-};
-
-// A robot of three motors with parasitic rotations of some arcseconds.
-Pose pose_of(double q1, double q2, double q3) {
-  return {
-      q1 + 0.01 * q2 - 0.002 * q1 * q3, q2 - 0.01 * q1 + 0.001 * q1 * q1, q3 + 0.003 * q1 * q2,
-      4.0 * q2 + 1.5 * q1 * q3,         -6.0 * q1 + 0.8 * q2 * q2,        3.0 * q3 - 2.0 * q1 * q2};
-}
-
-struct SetUp {
-  const char* name;
-  std::vector<std::string> measures;
-  unsigned seed;
-  double drift_nm;          // of every length over the session
-  bool two_places = false;  // each motor rests 30 nm to either side, never between
-};
-const SetUp kFirst{"first", {"x", "ry", "rz"}, 1, 40};
-const SetUp kSecond{"second", {"y", "rx", "ry"}, 2, -30};
-const SetUp kThird{"third", {"z"}, 3, 20};
-const SetUp kFirstAgain{"again", {"x", "ry", "rz"}, 5, -20};
-const SetUp kAll{"all", {"x", "y", "z", "rx", "ry", "rz"}, 4, 40};
-
-struct GridPoint {
-  double q1, q2, q3;
-  bool zero;
-};
-// 5 x 5 x 5, a return to zero before each line and at the end.
-std::vector<GridPoint> grid() {
-  std::vector<GridPoint> points;
-  for (int a = -2; a <= 2; ++a)
-    for (int b = -2; b <= 2; ++b) {
-      points.push_back({0, 0, 0, true});
-      for (int c = -2; c <= 2; ++c) points.push_back({0.5 * c, 0.5 * b, 0.5 * a, false});
-    }
-  points.push_back({0, 0, 0, true});
-  return points;
-}
-
-// What a set-up reads: paths along beams that meet their mirrors kLever_mm off the centre, with
-// 5 nm and 0.03 arcsec of noise and 25 nm of holding error. Lengths as the cell's own correction
-// stage leaves them: each set-up knows its own angles only.
-JoinPart measured(const SetUp& set_up) {
-  std::mt19937 random(set_up.seed);
-  std::normal_distribution<double> normal;
-  JoinPart part;
-  part.name = set_up.name;
-  part.tool = "cube";
-  Stage stage;
-  stage.cosine = true;
-  for (auto& beam : stage.beams) beam.at_zero_mm = {kLever_mm, kLever_mm, kLever_mm};
-  part.stage = stage;
-  auto& data = part.data;
-  const auto column = [&data](const char* symbol, const char* unit) {
-    data.columns.push_back({{symbol, unit}, {}});
-  };
-  for (const char* q : {"q1", "q2", "q3"}) column(q, "mm");
-  for (const auto& symbol : set_up.measures) {
-    if (symbol.size() == 1) column((symbol + "_path").c_str(), "mm");
-    column(symbol.c_str(), symbol.size() == 1 ? "mm" : "arcsec");
-  }
-  column("t05", "degC");
-  const auto points = grid();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto& point = points[i];
-    const double share = static_cast<double>(i) / static_cast<double>(points.size());
-    std::array<double, 3> q{point.q1, point.q2, point.q3};
-    for (double& one : q) {
-      const double holding = normal(random);
-      one += set_up.two_places ? std::copysign(30e-6, holding) : 25e-6 * holding;
-    }
-    Pose pose = pose_of(q[0], q[1], q[2]);
-    const double drift_mm = set_up.drift_nm * 1e-6 * share;
-    pose.x += drift_mm, pose.y += drift_mm, pose.z += drift_mm;
-    const double rx = rad_from_arcsec(pose.rx), ry = rad_from_arcsec(pose.ry),
-                 rz = rad_from_arcsec(pose.rz);
-    // Rigid body: the mirror's point at the lever a moves by rotation x a.
-    const std::array<double, 3> path = {
-        (pose.x + (ry - rz) * kLever_mm) / (std::cos(ry) * std::cos(rz)),
-        (pose.y + (rz - rx) * kLever_mm) / (std::cos(rx) * std::cos(rz)),
-        (pose.z + (rx - ry) * kLever_mm) / (std::cos(rx) * std::cos(ry))};
-    const std::array<double, 3> angle = {pose.rx, pose.ry, pose.rz};
-    Vector3 read_mm{};
-    Tilt read;
-    for (const auto& symbol : set_up.measures) {
-      const auto axis = static_cast<std::size_t>(symbol.back() - 'x');
-      if (symbol.size() == 1)
-        read_mm[axis] = path[axis] + 5e-6 * normal(random);
-      else
-        (axis == 0   ? read.rx_arcsec
-         : axis == 1 ? read.ry_arcsec
-                     : read.rz_arcsec) = angle[axis] + 0.03 * normal(random);
-    }
-    const auto corrected = pose_from_paths(read_mm, read, stage);
-    std::size_t at = 0;
-    const auto put = [&](double value) { data.columns[at++].values.push_back(value); };
-    for (const double one : q) put(one);
-    for (const auto& symbol : set_up.measures) {
-      const auto axis = static_cast<std::size_t>(symbol.back() - 'x');
-      if (symbol.size() == 1) {
-        put(read_mm[axis]);
-        put(corrected[axis]);
-      } else {
-        put(axis == 0 ? read.rx_arcsec : axis == 1 ? read.ry_arcsec : read.rz_arcsec);
-      }
-    }
-    put(20 + 0.1 * share);
-    data.time_s.push_back(15.0 * static_cast<double>(i));
-    data.zero.push_back(point.zero ? 1 : 0);
-  }
-  data.rows = points.size();
-  return part;
-}
 
 double truth(const GridPoint& point, const std::string& symbol) {
   const Pose pose = pose_of(point.q1, point.q2, point.q3);
@@ -159,24 +40,6 @@ const JoinedChannel& channel(const JoinReport& report, const std::string& symbol
   for (const auto& one : report.channels)
     if (one.channel.symbol == symbol) return one;
   throw std::runtime_error("no channel " + symbol);
-}
-
-JoinParts three() { return {measured(kFirst), measured(kSecond), measured(kThird)}; }
-
-DatasetColumn& column(JoinPart& part, const std::string& symbol) {
-  for (auto& one : part.data.columns)
-    if (one.channel.symbol == symbol) return one;
-  throw std::runtime_error("no column " + symbol);
-}
-
-// The value of the row before in every row.
-void shift_rows(DatasetColumn& of) {
-  std::rotate(of.values.begin(), of.values.end() - 1, of.values.end());
-}
-
-Error refusal(JoinParts parts, const JoinRules& rules = {}) {
-  const auto joined = join(std::move(parts), rules);
-  return joined ? Error{ErrorCode::internal, "NOT_REFUSED", ""} : joined.error();
 }
 
 TEST(DatasetJoin, GivesThePoseOfASixDofMeasurementWithinItsStatedUncertainty) {
@@ -326,110 +189,6 @@ TEST(DatasetJoin, JoinsTheRunsOfOneRobotAmongSeveral) {
               alone->data.find(symbol)->values);
   EXPECT_EQ(channel(joined->report, "ma.ry").sources, channel(alone->report, "ry").sources);
   ASSERT_TRUE(joined->data.find("mn.q1"));
-  auto two = parts;
-  for (auto& column : two[2].data.columns)
-    if (column.channel.symbol.starts_with("ma.")) column.channel.symbol.replace(0, 3, "mn.");
-  std::erase_if(two[2].data.columns,
-                [](const auto& column) { return column.channel.symbol == "mn.q1"; });
-  const auto refused = refusal(two);
-  EXPECT_EQ(refused.reason, "NOTHING_TO_JOIN");
-  EXPECT_THAT(refused.message, HasSubstr("second measured robot ma and third robot mn"));
-}
-
-TEST(DatasetJoin, RefusesRowsThatAreShiftedByOne) {
-  auto parts = three();
-  for (auto& one : parts[1].data.columns)  // with their motor coordinates: another trajectory
-    if (one.channel.symbol != "t05") shift_rows(one);
-  auto refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "TRAJECTORIES_DIFFER");
-  EXPECT_THAT(refused.message, HasSubstr("row 2"));
-
-  parts = three();
-  for (const char* symbol : {"x", "x_path", "ry", "rz"}) shift_rows(column(parts[0], symbol));
-  refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "ROWS_SHIFTED");
-  EXPECT_THAT(refused.message, HasSubstr("1 row later"));
-
-  parts = three();  // nothing but the angles, which the motors explain in part only
-  for (const char* symbol : {"rx", "ry"}) shift_rows(column(parts[1], symbol));
-  EXPECT_EQ(refusal(parts).reason, "ROWS_SHIFTED");
-}
-
-TEST(DatasetJoin, RefusesSetUpsThatAreSwapped) {
-  auto parts = three();
-  // The run that is called the first was made in the second set-up, and the other way round.
-  column(parts[0], "rz").channel.symbol = "swap";
-  column(parts[0], "ry").channel.symbol = "rz";
-  column(parts[0], "swap").channel.symbol = "ry";
-  std::swap(column(parts[0], "ry").values, column(parts[1], "rx").values);
-  std::swap(column(parts[0], "rz").values, column(parts[1], "ry").values);
-  const auto refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "SETUPS_SWAPPED") << refused.message;
-}
-
-Trajectory wanted_in(const char* first, const char* second, const char* third) {
-  Trajectory wanted;
-  wanted.coordinates = {{first, "mm"}, {second, "mm"}, {third, "mm"}};
-  for (const auto& point : grid()) {
-    TrajectoryPoint row;
-    row.target = {point.q1, point.q2, point.q3};
-    row.zero = point.zero;
-    wanted.points.push_back(row);
-  }
-  return wanted;
-}
-
-TEST(DatasetJoin, RefusesALengthThatFollowsAnotherWantedCoordinate) {
-  auto parts = three();
-  const Trajectory wanted = wanted_in("x", "y", "z");
-  for (auto& part : parts) part.trajectory = wanted;
-  ASSERT_TRUE(join(parts, {}));
-  std::swap(column(parts[0], "x").values, column(parts[1], "y").values);
-  const auto refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "SETUPS_SWAPPED");
-  EXPECT_THAT(refused.message, HasSubstr("x_mm of first follows the wanted y_mm"));
-}
-
-TEST(DatasetJoin, NamesTheRowInWhichTrajectoriesDiffer) {
-  auto parts = three();
-  const Trajectory wanted = wanted_in("q1", "q2", "q3");
-  for (auto& part : parts) part.trajectory = wanted;
-  ASSERT_TRUE(join(parts, {}));
-  parts[2].trajectory->points[16].target[1] += 0.25;
-  const auto refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "TRAJECTORIES_DIFFER");
-  EXPECT_THAT(refused.message, HasSubstr("row 17: q2_mm is "));
-}
-
-TEST(DatasetJoin, RefusesAnotherToolAnotherTemperatureAndAnotherZero) {
-  auto parts = three();
-  parts[1].tool = "weight";
-  EXPECT_EQ(refusal(parts).reason, "TOOLS_DIFFER");
-
-  parts = three();
-  for (double& degc : column(parts[2], "t05").values) degc += 0.8;
-  auto refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "TEMPERATURES_DIFFER");
-  EXPECT_THAT(refused.message, HasSubstr("0.800 K apart, limit 0.5 K"));
-  JoinRules wide;
-  wide.max_temperature_difference_k = 1;
-  const auto joined = join(parts, wide);
-  ASSERT_TRUE(joined) << joined.error().message;
-  EXPECT_NEAR(*joined->report.temperature_difference_k, 0.8, 1e-9);
-
-  parts = three();
-  parts[1].trajectory = parts[0].trajectory = Trajectory{{{"q1", "mm"}}, {}};
-  for (const auto& point : grid()) {
-    TrajectoryPoint row;
-    row.target = {point.q1};
-    row.zero = point.zero;
-    for (auto* part : {&parts[0], &parts[1]}) part->trajectory->points.push_back(row);
-  }
-  parts.pop_back();
-  for (double& mm : column(parts[1], "q1").values) mm += 0.004;
-  refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "ZEROS_DIFFER");
-  EXPECT_THAT(refused.message, HasSubstr("limit 2000 nm"));
 }
 
 TEST(DatasetJoin, WarnsOfAModelThatMovedOneRunOnly) {
@@ -439,28 +198,6 @@ TEST(DatasetJoin, WarnsOfAModelThatMovedOneRunOnly) {
   ASSERT_TRUE(joined);
   EXPECT_THAT(joined->report.warnings,
               testing::Contains(HasSubstr("first was moved by model 4 and second by no model")));
-}
-
-TEST(DatasetJoin, RefusesWhatIsNoJoin) {
-  EXPECT_EQ(refusal({measured(kFirst)}).reason, "NOTHING_TO_JOIN");
-  EXPECT_EQ(refusal({}).reason, "NOTHING_TO_JOIN");
-  auto parts = three();
-  parts[2].data.columns.erase(parts[2].data.columns.begin() + 3, parts[2].data.columns.begin() + 5);
-  EXPECT_EQ(refusal(parts).reason, "NOTHING_TO_JOIN");
-  parts = three();
-  parts[2].row.resize(parts[2].data.rows);
-  for (std::size_t i = 0; i < parts[2].row.size(); ++i)
-    parts[2].row[i] = 1000 + static_cast<std::int64_t>(i);
-  EXPECT_EQ(refusal(parts).reason, "NO_COMMON_ROWS");
-}
-
-TEST(DatasetJoin, RefusesOneMeasurementGivenTwice) {
-  auto parts = three();
-  parts.push_back(parts[1]);
-  parts[3].name = "copy";
-  const auto refused = refusal(parts);
-  EXPECT_EQ(refused.reason, "NOTHING_TO_JOIN");
-  EXPECT_THAT(refused.message, HasSubstr("part 2 (second) and part 4 (copy) are the same"));
 }
 
 TEST(DatasetJoin, TakesASecondSessionWithTheSameCommandedCoordinates) {
@@ -503,4 +240,4 @@ TEST(DatasetJoin, SubtractsTheReturnsWithADriftAndLeavesThemOut) {
 }
 
 }  // namespace
-}  // namespace driftwise::correction
+}  // namespace driftwise::correction::set_ups
