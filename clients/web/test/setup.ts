@@ -1,4 +1,7 @@
-// What jsdom lacks of a browser and the page uses at its start.
+// What the tests share: what jsdom lacks of a browser and the page uses at its start, and the end of each test.
+import { act, cleanup } from '@testing-library/preact';
+import { afterEach } from 'vitest';
+
 globalThis.matchMedia ??= ((query: string) => ({
   matches: false, media: query, addEventListener: () => undefined, removeEventListener: () => undefined,
 })) as unknown as typeof matchMedia;
@@ -14,3 +17,6 @@ globalThis.IntersectionObserver ??= class {
   unobserve() {}
   disconnect() {}
 } as unknown as typeof IntersectionObserver;
+
+// Effects end with the test. Outside act Preact ends them one frame after the unmount, when a busy machine may have taken the document away.
+afterEach(() => act(cleanup));

@@ -1,6 +1,6 @@
 // A fault in a view ends with that view: what is around it stays, and another address shows its own.
-import { cleanup, configure, fireEvent, render, screen } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { configure, fireEvent, render, screen } from '@testing-library/preact';
+import { beforeEach, expect, it, vi } from 'vitest';
 import { Outlet } from '@/app/outlet';
 import { go, place } from '@/app/router';
 
@@ -22,7 +22,6 @@ beforeEach(() => {
   vi.stubGlobal('scrollTo', () => undefined);
   go('/runs/17');
 });
-afterEach(cleanup);
 
 it('says what failed, keeps what is around it, and shows the view again when asked', async () => {
   show();

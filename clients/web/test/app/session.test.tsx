@@ -1,5 +1,5 @@
 // The page's log-in, before a daemon that is a list of answers.
-import { cleanup, fireEvent, render, screen } from '@testing-library/preact';
+import { fireEvent, render, screen } from '@testing-library/preact';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { LogIn } from '@/app/log_in';
 import { PageBars } from '@/app/page_bars';
@@ -26,10 +26,7 @@ beforeEach(() => {
   setOperatorName('');
   session.value = { state: 'open' };
 });
-afterEach(() => {
-  cleanup();
-  vi.unstubAllGlobals();
-});
+afterEach(() => vi.unstubAllGlobals());
 
 test('where nobody has to log in, the typed name stands', async () => {
   setOperatorName('Anna');

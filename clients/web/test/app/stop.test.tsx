@@ -1,5 +1,5 @@
 // Stop: its own way to the daemon, and what each press does.
-import { cleanup, configure, fireEvent, render, screen, waitFor } from '@testing-library/preact';
+import { configure, fireEvent, render, screen, waitFor } from '@testing-library/preact';
 import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { stopFetch, useTransport } from '@/api/client';
@@ -37,7 +37,6 @@ beforeEach(() => {
   setOperatorName('');
 });
 afterEach(() => {
-  cleanup();
   vi.useRealTimers();
   vi.unstubAllGlobals();
 });

@@ -1,7 +1,7 @@
 // The formula box under the keys of a person: what was typed stays unless an offer was chosen.
-import { cleanup, configure, fireEvent, render, screen } from '@testing-library/preact';
+import { configure, fireEvent, render, screen } from '@testing-library/preact';
 import { useState } from 'preact/hooks';
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { beforeEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { FormulaField } from '@/formula/formula_field';
 import { fakeDaemon } from '../fake/daemon';
@@ -41,7 +41,6 @@ beforeEach(async () => {
   type('q ~ z'); // a name of the data: what the daemon knows of them has come once its count is shown
   await screen.findByText(/16 terms|terms for/);
 });
-afterEach(cleanup);
 
 it('leaves a finished formula alone: an exact name offers nothing, Tab goes on, Enter fits once', async () => {
   type('q ~ t0');

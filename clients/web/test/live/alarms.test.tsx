@@ -1,8 +1,8 @@
 // The list of alarms is had in the end, whatever became of the first question, and stands beside a later one that fails.
 import { create } from '@bufbuild/protobuf';
 import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
-import { act, cleanup, configure, render, screen, waitFor } from '@testing-library/preact';
-import { afterEach, expect, it, vi } from 'vitest';
+import { act, configure, render, screen, waitFor } from '@testing-library/preact';
+import { expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { Alarm_Level, AlarmSchema, WatchEventSchema, WatchService, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { AlarmWatch } from '@/app/alarm_watch';
@@ -14,7 +14,6 @@ import { at } from '../fake/cell';
 
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
 configure({ asyncUtilTimeout: 15_000 });
-afterEach(cleanup);
 
 const lost = create(AlarmSchema, { id: 2n, level: Alarm_Level.FAILED, kind: 'device.lost', subject: 'laser-x', message: 'Laser x does not answer.', sinceTime: at(1) });
 const failure = { code: Code.Unavailable, reason: '', message: 'The daemon did not answer.', lost: true };

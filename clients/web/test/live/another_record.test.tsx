@@ -1,9 +1,9 @@
 // Another record behind the daemon under an open page: nothing of the old one stays, and its ids are not those of the new one.
 import { create, type MessageInitShape } from '@bufbuild/protobuf';
 import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
-import { act, cleanup, configure, fireEvent, render, screen } from '@testing-library/preact';
+import { act, configure, fireEvent, render, screen } from '@testing-library/preact';
 import { useState } from 'preact/hooks';
-import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { beforeEach, expect, test, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { PointSchema, Run_State, RunSchema } from '@/api/gen/driftwise/v1/run_pb';
 import { RunService } from '@/api/gen/driftwise/v1/run_service_pb';
@@ -20,7 +20,6 @@ vi.mock('@/poses/poses', () => ({ Poses: () => null }));
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
 configure({ asyncUtilTimeout: 15_000 });
 beforeEach(() => vi.stubGlobal('scrollTo', () => undefined));
-afterEach(cleanup);
 
 const point = (id: bigint, x: number): MessageInitShape<typeof PointSchema> => ({ id, runId: 1n, row: id, values: [{ channel: 'x_mm', value: x }] });
 

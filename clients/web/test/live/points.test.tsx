@@ -1,8 +1,8 @@
 // The points of a run: asked for in pages, and joined with what comes while they are on their way.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, render, screen } from '@testing-library/preact';
-import { afterEach, expect, test, vi } from 'vitest';
+import { configure, render, screen } from '@testing-library/preact';
+import { expect, test, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { PointSchema } from '@/api/gen/driftwise/v1/run_pb';
 import { Alarm_Level, AlarmSchema, WatchEventSchema, WatchService } from '@/api/gen/driftwise/v1/watch_service_pb';
@@ -14,7 +14,6 @@ import { at } from '../fake/cell';
 
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
 configure({ asyncUtilTimeout: 15_000 });
-afterEach(cleanup);
 
 const point = (id: bigint) => create(PointSchema, { id, runId: 17n, row: id });
 

@@ -1,5 +1,5 @@
 // An instant that is pinned in one plot stands in every other one, until it is let go.
-import { cleanup, fireEvent, render, screen } from '@testing-library/preact';
+import { fireEvent, render, screen } from '@testing-library/preact';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { InstantBar } from '@/app/instant_bar';
 import type { Wishes } from '@/plot/draw';
@@ -17,10 +17,7 @@ vi.mock('@/plot/draw', async (real) => ({
   redraw: () => undefined,
 }));
 beforeEach(() => made.splice(0));
-afterEach(() => {
-  cleanup();
-  pinned.value = undefined;
-});
+afterEach(() => pinned.value = undefined);
 
 const startMs = Date.UTC(2026, 10, 21, 2);
 const spec = (title: string, startsMs: number, y: number[]): PlotSpec => ({

@@ -1,6 +1,6 @@
 // Plots of many channels, and the marks in every plot over time.
-import { cleanup, fireEvent, render, screen } from '@testing-library/preact';
-import { afterEach, describe, expect, it, vi } from 'vitest';
+import { fireEvent, render, screen } from '@testing-library/preact';
+import { describe, expect, it, vi } from 'vitest';
 import { forceMarks, forceSteps } from '@/parts/time_marks';
 import { deviationFromStart, lookOf } from '@/plot/many';
 import { TimeMarks, withTimeMarks, type TimeMark } from '@/plot/marks';
@@ -17,7 +17,6 @@ import { sampleReport } from '../report/sample';
 vi.mock('@/plot/draw', async (real) => ({ ...(await real<object>()), makePlot: () => ({ destroy: () => undefined, over: document.createElement('div') }), redraw: () => undefined }));
 vi.mock('@/poses/poses', () => ({ Poses: () => null })); // no canvas in jsdom
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
-afterEach(cleanup);
 
 const startMs = Date.UTC(2026, 4, 15);
 const many: PlotSpec = {

@@ -1,8 +1,8 @@
 // Before a robot moves again: who stopped it, how long ago, and a reason from everybody else.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { act, cleanup, fireEvent, render, screen } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, test } from 'vitest';
+import { act, fireEvent, render, screen } from '@testing-library/preact';
+import { beforeEach, expect, test } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { RunHold_Kind, RunSchema } from '@/api/gen/driftwise/v1/run_pb';
@@ -23,7 +23,6 @@ beforeEach(() => {
   connection.value = { phase: 'live' };
   render(<ConfirmDialog />);
 });
-afterEach(cleanup);
 
 test('a stop by another person needs a reason in writing, and the answer names that stop', async () => {
   const answer = askAboutHold(run(RunHold_Kind.STOP), at + 720_000, 'Resume run 3');

@@ -1,9 +1,9 @@
 // Page of an imported run: what its points hold is shown, and no readings are asked for, because a file brings none.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, render, screen, within } from '@testing-library/preact';
+import { configure, render, screen, within } from '@testing-library/preact';
 import { h } from 'preact';
-import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { beforeEach, expect, test, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { PointSchema, PointSet, Run_State, RunSchema, type Point } from '@/api/gen/driftwise/v1/run_pb';
 import { RunService } from '@/api/gen/driftwise/v1/run_service_pb';
@@ -43,7 +43,6 @@ beforeEach(() => {
   }));
   connection.value = { phase: 'live' };
 });
-afterEach(cleanup);
 
 test('its plots are the values of its points, in the units of the file, and no series is asked', async () => {
   go('/runs/2?tab=plots');

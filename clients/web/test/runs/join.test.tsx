@@ -1,6 +1,6 @@
 // Runs chosen in the list, checked and joined; a refusal is read where it was asked for.
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, test } from 'vitest';
+import { fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, expect, test } from 'vitest';
 import { useTransport } from '@/api/client';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
@@ -13,7 +13,6 @@ beforeEach(() => {
   connection.value = { phase: 'live' };
   go('/runs');
 });
-afterEach(cleanup);
 
 test('the report of a join says where each coordinate comes from', async () => {
   render(<Runs />);

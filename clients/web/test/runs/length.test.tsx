@@ -2,8 +2,8 @@
 import { create } from '@bufbuild/protobuf';
 import { DurationSchema } from '@bufbuild/protobuf/wkt';
 import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { configure, render, screen, within } from '@testing-library/preact';
+import { beforeEach, expect, test, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
 import { RunService } from '@/api/gen/driftwise/v1/run_service_pb';
@@ -27,7 +27,6 @@ beforeEach(() => {
   })));
   connection.value = { phase: 'live' };
 });
-afterEach(cleanup);
 
 test('in the list', async () => {
   go('/runs');

@@ -1,8 +1,8 @@
 // Residuals and discrepancies over time are drawn from rows: the marks come from the record of the runs those rows are of.
 import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, render, screen } from '@testing-library/preact';
+import { configure, render, screen } from '@testing-library/preact';
 import { useContext } from 'preact/hooks';
-import { afterEach, expect, it, vi } from 'vitest';
+import { expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { RunService } from '@/api/gen/driftwise/v1/run_service_pb';
@@ -13,7 +13,6 @@ import { at, fakePoints, fakeRun } from '../fake/cell';
 
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
 configure({ asyncUtilTimeout: 15_000 });
-afterEach(cleanup);
 
 const Shown = () => <ul>{useContext(RowMarks).map((mark) => <li>{mark.kind} at {mark.at}: {mark.label}</li>)}</ul>;
 

@@ -1,9 +1,9 @@
 // The marks of a run come from its points and from what the record says of it and of the cell meanwhile.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, render, screen } from '@testing-library/preact';
+import { configure, render, screen } from '@testing-library/preact';
 import { useContext } from 'preact/hooks';
-import { afterAll, afterEach, beforeAll, expect, it, vi } from 'vitest';
+import { afterAll, beforeAll, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService, EventSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { WatchEventSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
@@ -22,7 +22,6 @@ beforeAll(() => {
   endStream = startStream();
 });
 afterAll(() => endStream());
-afterEach(cleanup);
 
 const Shown = () => <ul>{useContext(TimeMarks).map((mark) => <li>{mark.kind}: {mark.label}</li>)}</ul>;
 const happens = (id: bigint, what: string, detail: string, minutes: number, runId?: bigint) =>

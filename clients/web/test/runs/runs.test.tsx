@@ -1,7 +1,7 @@
 // More runs than one answer of the daemon holds.
-import { act, cleanup, configure, fireEvent, render, screen, waitFor } from '@testing-library/preact';
+import { act, configure, fireEvent, render, screen, waitFor } from '@testing-library/preact';
 import { createRouterTransport } from '@connectrpc/connect';
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { beforeEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
 import { RunService } from '@/api/gen/driftwise/v1/run_service_pb';
@@ -31,7 +31,6 @@ beforeEach(() => {
     getRun: ({ runId }) => ({ run: run(Number(runId)) }),
   })));
 });
-afterEach(cleanup);
 
 it('a search looks through all of them, and says so until it is done', async () => {
   go('/runs?q=proof');

@@ -1,7 +1,7 @@
 // A question before something moves: with its view, and while the page is live.
-import { act, cleanup, configure, fireEvent, render, screen } from '@testing-library/preact';
+import { act, configure, fireEvent, render, screen } from '@testing-library/preact';
 import { signal } from '@preact/signals';
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { beforeEach, expect, it, vi } from 'vitest';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
 import { epoch } from '@/live/epoch';
@@ -16,7 +16,6 @@ beforeEach(() => {
   connection.value = { phase: 'live' };
   render(<ConfirmDialog />);
 });
-afterEach(cleanup);
 
 const question = { title: 'Move the robot there?', verb: 'Move there', keep: 'Stay' };
 

@@ -1,8 +1,8 @@
 // Stop motion in every dialog: showModal() makes the bar inert.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { act, cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { act, fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService, StopAllResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { BottomTabs } from '@/app/bar';
@@ -25,7 +25,6 @@ beforeEach(() => {
   })));
   render(<><StopButton /><ConfirmDialog /><HelpDialog /><NameDialog /><BottomTabs current={undefined} /></>);
 });
-afterEach(cleanup);
 
 const press = (on: HTMLElement) => fireEvent(on, new MouseEvent('pointerdown', { button: 0, bubbles: true })); // jsdom's pointer events have no button
 const opened = () => vi.waitFor(() => {

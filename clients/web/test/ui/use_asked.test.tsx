@@ -1,6 +1,6 @@
 // A question whose answer failed is asked again when the page becomes live: nothing else would ask.
-import { act, cleanup, render, screen } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { act, render, screen } from '@testing-library/preact';
+import { beforeEach, expect, it, vi } from 'vitest';
 import { connection } from '@/live/connection';
 import { Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
@@ -16,7 +16,6 @@ beforeEach(() => {
   ask.mockReset();
   connection.value = { phase: 'connecting' };
 });
-afterEach(cleanup);
 
 it('shows the list after a first answer that failed, once the page is live', async () => {
   ask.mockRejectedValueOnce(new Error('gone')).mockResolvedValue('the list');

@@ -1,11 +1,10 @@
 // An answer that takes longer than the time between two questions arrives all the same.
-import { cleanup, render } from '@testing-library/preact';
-import { afterEach, expect, test, vi } from 'vitest';
+import { render } from '@testing-library/preact';
+import { expect, test, vi } from 'vitest';
 import { useAsked } from '@/ui/use_asked';
 import { useWhile } from '@/ui/use_while';
 
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
-afterEach(cleanup);
 
 test('a question under way is not asked again', async () => {
   let answered = 0;

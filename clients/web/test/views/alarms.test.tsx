@@ -2,7 +2,7 @@
 import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
 import type { Transport } from '@connectrpc/connect';
 import { create } from '@bufbuild/protobuf';
-import { afterAll, afterEach, beforeAll, beforeEach, expect, it, vi } from 'vitest';
+import { afterAll, beforeAll, beforeEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { Alarm_Level, AlarmSchema, WatchEventSchema, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { pageTitle } from '@/app/page_title';
@@ -50,7 +50,6 @@ beforeEach(() => {
   acknowledged.length = 0;
   setOperatorName('Anna');
 });
-afterEach(cleanup);
 
 it('says alarms before the view in the title of the tab, on every view', async () => {
   go('/record');

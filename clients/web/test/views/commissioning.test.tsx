@@ -1,8 +1,8 @@
 // Manual, Commissioning and Look back before a daemon in memory.
 import { create } from '@bufbuild/protobuf';
 import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
-import { act, cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { act, fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { CheckVerdict, CommissioningService } from '@/api/gen/driftwise/v1/commissioning_service_pb';
@@ -63,7 +63,6 @@ beforeEach(() => {
   cell.value = create(GetStatusResponseSchema, { speed: 1, devices: [{ id: 'axis', axes: [{ channel: 'q1_mm', minMm: -4, maxMm: 4 }] }] });
   go('/manual');
 });
-afterEach(cleanup);
 
 // jsdom's pointer events have no button.
 const pointer = (on: HTMLElement, what: string) => fireEvent(on, new MouseEvent(what, { button: 0, bubbles: true }));

@@ -1,6 +1,6 @@
 // The view Indentation before a daemon in memory: stages, contacts, corrections, table of indents, verdict.
-import { cleanup, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, describe, expect, it } from 'vitest';
+import { render, screen, within } from '@testing-library/preact';
+import { beforeEach, describe, expect, it } from 'vitest';
 import { useTransport } from '@/api/client';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
@@ -16,7 +16,6 @@ beforeEach(() => {
   connection.value = { phase: 'live' };
   go('/indentation');
 });
-afterEach(cleanup);
 
 describe('an indentation', () => {
   it('shows its stages, contacts and corrections', { timeout: 30_000 }, async () => {

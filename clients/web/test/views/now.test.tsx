@@ -1,8 +1,8 @@
 // Now of a run whose points hold no length: tilts alone (set-up "level" of the min-angle cell).
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, render, screen } from '@testing-library/preact';
-import { afterEach, expect, it, vi } from 'vitest';
+import { configure, render, screen } from '@testing-library/preact';
+import { expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { PointSchema, RunProgressSchema } from '@/api/gen/driftwise/v1/run_pb';
 import { RunService } from '@/api/gen/driftwise/v1/run_service_pb';
@@ -14,7 +14,6 @@ import { at, fakeRun } from '../fake/cell';
 vi.mock('@/plot/plot', () => ({ Plot: ({ spec }: { spec: { title: string; why?: string } }) => <figure>{spec.title}: {spec.why}</figure> }));
 vi.setConfig({ testTimeout: 30_000 }); // a busy machine
 configure({ asyncUtilTimeout: 15_000 });
-afterEach(cleanup);
 
 it('shows a run of tilts without a drift of the zero', async () => {
   const points = [1, 2, 3].map((i) => create(PointSchema, {

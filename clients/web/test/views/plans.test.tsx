@@ -1,8 +1,8 @@
 // The view Plans before a daemon in memory: which plan serves, its check, a joint target.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { act, cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { act, fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { EventSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { PlanService } from '@/api/gen/driftwise/v1/plan_service_pb';
@@ -28,7 +28,6 @@ beforeEach(() => {
   HTMLDialogElement.prototype.showModal ??= () => {};
   HTMLDialogElement.prototype.close ??= () => {};
 });
-afterEach(cleanup);
 
 describe('serving plans', () => {
   it('shows which one serves, and its steps', async () => {

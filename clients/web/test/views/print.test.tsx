@@ -1,5 +1,5 @@
 // What is on paper is the record: all rows and columns, the zone of its times, its hashes, and no navigation.
-import { cleanup, configure, render, screen, waitFor, within } from '@testing-library/preact';
+import { configure, render, screen, waitFor, within } from '@testing-library/preact';
 import { afterAll, afterEach, beforeAll, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { followPrinting } from '@/app/printing';
@@ -27,10 +27,7 @@ beforeAll(() => {
   ends = [startStream(), followPrinting()];
 });
 afterAll(() => ends.forEach((end) => end()));
-afterEach(() => {
-  dispatchEvent(new Event('afterprint'));
-  cleanup();
-});
+afterEach(() => dispatchEvent(new Event('afterprint')));
 const print = () => dispatchEvent(new Event('beforeprint')); // the picture is taken when this returns
 
 it('holds every row and every column of a wide table, in parts that repeat the first column', async () => {

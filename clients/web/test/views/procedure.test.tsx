@@ -1,6 +1,6 @@
 // The view Procedure before a daemon in memory: states, figures, where to go back, commands to copy.
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
@@ -16,7 +16,6 @@ beforeEach(() => {
   Object.defineProperty(navigator, 'clipboard', { value: { writeText: copied }, configurable: true });
   go('/procedure');
 });
-afterEach(cleanup);
 
 describe('the procedure as a whole', () => {
   it('says at the top that the wanted accuracy is not reached, and where to go back', async () => {

@@ -1,8 +1,8 @@
 // The view Queue before a daemon in memory: reasons, order, release.
 import { create, type MessageInitShape } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { ListQueueResponseSchema, QueueEntry_State, QueueService } from '@/api/gen/driftwise/v1/queue_service_pb';
@@ -26,7 +26,6 @@ beforeEach(() => {
   connection.value = { phase: 'live' };
   go('/queue');
 });
-afterEach(cleanup);
 
 describe('the queue', () => {
   it('says of each entry why it waits, and what came of those that are over', async () => {

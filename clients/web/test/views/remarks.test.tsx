@@ -1,7 +1,7 @@
 // A remark, or a join, whose answer was lost is sent again as the same one; what was taken leaves its field.
 import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
-import { cleanup, configure, fireEvent, render, screen, waitFor } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { configure, fireEvent, render, screen, waitFor } from '@testing-library/preact';
+import { beforeEach, expect, test, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { DataService } from '@/api/gen/driftwise/v1/data_service_pb';
 import { LookBackService } from '@/api/gen/driftwise/v1/look_back_service_pb';
@@ -25,7 +25,6 @@ beforeEach(() => {
   setOperatorName('Anna');
   connection.value = { phase: 'live' };
 });
-afterEach(cleanup);
 
 test('a remark', async () => {
   useTransport(createRouterTransport(({ service }) => service(LookBackService, { listTimeNotes: () => ({}), addTimeNote: loseFirst })));

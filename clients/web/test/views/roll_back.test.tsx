@@ -1,8 +1,8 @@
 // A rollback asks with what a promotion of the model would be asked, and with what the runs since say of it.
 import { create } from '@bufbuild/protobuf';
 import { Code, ConnectError, createRouterTransport } from '@connectrpc/connect';
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CheckModelResponse_Verdict, ModelService, Promotion_Action, PromotionSchema, type Promotion } from '@/api/gen/driftwise/v1/model_service_pb';
 import { operatorName } from '@/app/session';
@@ -33,7 +33,6 @@ beforeEach(() => {
     rollBackModel: () => (rolledBack(), {}),
   })));
 });
-afterEach(cleanup);
 
 async function asked() {
   render(<><RollBack promotions={[...history].reverse()} onDone={() => undefined} /><ConfirmDialog /></>);

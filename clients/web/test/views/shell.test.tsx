@@ -1,7 +1,7 @@
 // The shell and Now over the real stream client, before a daemon in memory.
-import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
+import { configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
 import { createRouterTransport, type Transport } from '@connectrpc/connect';
-import { afterAll, afterEach, beforeAll, beforeEach, expect, it, vi } from 'vitest';
+import { afterAll, beforeAll, beforeEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { WatchService } from '@/api/gen/driftwise/v1/watch_service_pb';
@@ -40,7 +40,6 @@ beforeEach(() => {
   calls.length = 0;
   go('/now');
 });
-afterEach(cleanup);
 
 it('shows the run, the numbers with their units, and what is stale', async () => {
   render(<Shell />);

@@ -3,7 +3,7 @@ import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
 import { signal } from '@preact/signals';
 import { cleanup, configure, fireEvent, render, screen, waitFor } from '@testing-library/preact';
-import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { beforeEach, expect, test, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { CellService, DeviceSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { ChannelLayout_ColumnSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
@@ -38,7 +38,6 @@ beforeEach(() => {
   setOperatorName('Anna');
   connection.value = { phase: 'live' };
 });
-afterEach(cleanup);
 
 test('time settled counts readings, and ends at a gap', () => {
   const of = support(23);

@@ -1,6 +1,6 @@
 // The two studies of the view Models before a daemon in memory: progress, the answer, and that leaving ends the work.
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
-import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { fireEvent, render, screen, within } from '@testing-library/preact';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
@@ -19,7 +19,6 @@ beforeEach(() => {
   useTransport(fakeDaemon());
   connection.value = { phase: 'live' };
 });
-afterEach(cleanup);
 
 async function begin(address: string, verb: string) {
   go(address);

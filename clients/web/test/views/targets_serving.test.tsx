@@ -1,8 +1,8 @@
 // Targets while another model begins to serve, or another zero is taken: nothing of the one before stands as the new one's.
 import { create } from '@bufbuild/protobuf';
 import { createRouterTransport } from '@connectrpc/connect';
-import { act, cleanup, configure, render, screen } from '@testing-library/preact';
-import { afterEach, beforeEach, test, vi } from 'vitest';
+import { act, configure, render, screen } from '@testing-library/preact';
+import { beforeEach, test, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { EventSchema, CellService } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { ModelService } from '@/api/gen/driftwise/v1/model_service_pb';
@@ -50,7 +50,6 @@ beforeEach(() => {
   }));
   go('/targets?x=0.2&y=0.2&z=0.9&force=0');
 });
-afterEach(cleanup);
 
 test('the map and the last hour are of the model that serves now', async () => {
   render(<Targets />);

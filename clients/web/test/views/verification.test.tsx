@@ -1,6 +1,6 @@
-import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
+import { fireEvent, render, screen, within } from '@testing-library/preact';
 import { create } from '@bufbuild/protobuf';
-import { afterEach, beforeEach, describe, expect, it } from 'vitest';
+import { beforeEach, describe, expect, it } from 'vitest';
 import { useTransport } from '@/api/client';
 import { JudgedAccuracySchema } from '@/api/gen/driftwise/v1/accuracy_pb';
 import { go } from '@/app/router';
@@ -9,7 +9,6 @@ import Runs from '@/views/runs/view';
 import { fakeDaemon } from '../fake/daemon';
 
 beforeEach(() => useTransport(fakeDaemon()));
-afterEach(cleanup);
 
 describe('accuracy', () => {
   const judged = (a90: number, before?: number) => create(JudgedAccuracySchema, {

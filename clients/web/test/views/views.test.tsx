@@ -1,6 +1,6 @@
 // The views before a daemon in memory: what a person reads, and that what was typed stays.
 import { act, cleanup, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
-import { afterEach, beforeAll, beforeEach, describe, expect, it, vi } from 'vitest';
+import { beforeAll, beforeEach, describe, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
@@ -35,7 +35,6 @@ beforeEach(() => {
   useTransport(fakeDaemon());
   connection.value = { phase: 'live' };
 });
-afterEach(cleanup);
 
 const show = (address: string, View: () => preact.ComponentChild) => {
   go(address);

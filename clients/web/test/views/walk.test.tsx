@@ -1,7 +1,7 @@
 // Defects found by a walk through the page.
 import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
 import { create } from '@bufbuild/protobuf';
-import { afterAll, afterEach, beforeAll, expect, it, vi } from 'vitest';
+import { afterAll, beforeAll, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
 import { DeviceSchema, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { Run_State, RunProgressSchema } from '@/api/gen/driftwise/v1/run_pb';
@@ -26,7 +26,6 @@ beforeAll(() => {
   endStream = startStream();
 });
 afterAll(() => endStream());
-afterEach(cleanup);
 
 it('offers no state that a run never has', async () => {
   go('/runs');
