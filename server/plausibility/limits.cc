@@ -163,6 +163,7 @@ ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& de
   }
   if (device.role() == DeviceRole::stabiliser && unit == "degC") {
     auto limit = temperature(kSupportStep_k, kSupport_k_per_s, "a stabilised support");
+    limit.is_held = true;
     if (channel.ends_with("_set_degC")) {  // a command may set it anywhere, and it stays there
       limit.max_step = std::numeric_limits<double>::max();
       limit.frozen_answers = 0;

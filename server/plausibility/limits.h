@@ -26,6 +26,8 @@ struct ChannelLimit {
   Missing missing = Missing::rejected;
   // Equal answers in a row that make a channel frozen: 0 never, -1 by the channel's own noise.
   int frozen_answers = 0;
+  // A controller holds it: it stands still while the room moves, and moves with its set point.
+  bool is_held = false;
   // Where the range comes from: "[[limit]] of the cell file", "travel of axis X".
   std::string source;
 };

@@ -25,7 +25,7 @@ double seconds_between(CellTime from, CellTime to) {
 
 int frozen_limit(const ChannelLimit& limit, const EqualAnswers& before) {
   if (limit.frozen_answers >= 0) return limit.frozen_answers;
-  if (before.changes < kChangesToKnow) return 0;
+  if (before.reversals < kReversalsToKnow) return 0;
   // Share of the answers that repeated the one before, by Laplace's rule of succession.
   const double answers = static_cast<double>(before.answers);
   const double repeats = std::clamp((answers - before.changes + 1) / (answers + 2), 0.0, 0.999);
@@ -55,7 +55,8 @@ std::vector<Finding> ValueJudge::judge(JudgedReading& reading) {
     findings.push_back(std::move(*whole));
   }
   for (const auto& value : reading.values) {
-    auto found = judge_value(track_of(*device, value.channel), value, reading.middle());
+    auto found =
+        judge_value(reading.device, value, track_of(*device, value.channel), reading.middle());
     if (!found || reading.is_rejected(value.channel)) continue;
     reject(value.channel, *found);
     findings.push_back(std::move(*found));
@@ -64,8 +65,8 @@ std::vector<Finding> ValueJudge::judge(JudgedReading& reading) {
   return findings;
 }
 
-std::optional<Finding> ValueJudge::judge_value(Track& track, const ChannelValue& value,
-                                               CellTime at) const {
+std::optional<Finding> ValueJudge::judge_value(const std::string& device, const ChannelValue& value,
+                                               Track& track, CellTime at) const {
   const auto& limit = track.limit;
   const auto found = [&](const char* test, std::string reason) {
     return Finding{{}, value.channel, test, std::move(reason), at};
@@ -81,7 +82,7 @@ std::optional<Finding> ValueJudge::judge_value(Track& track, const ChannelValue&
     return found("range", fmt::format("{} is {:g}, possible is {:g} to {:g} ({})", value.channel,
                                       value.value, limit.min, limit.max, limit.source));
   auto stepped = judge_step(track, value, at);
-  auto frozen = judge_equal(track, value, at);
+  auto frozen = judge_equal(device, value, track, at);
   // What it says when it is thawed may be as far away as the time since it froze allows.
   if (frozen && track.equal) track.last = track.equal;
   return stepped ? stepped : frozen;
@@ -121,29 +122,25 @@ std::optional<Finding> ValueJudge::judge_step(Track& track, const ChannelValue& 
                  at};
 }
 
-std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue& value,
-                                               CellTime at) const {
-  const int limit = frozen_limit(track.limit, {track.longest_equal, track.changes, track.answers});
+std::optional<Finding> ValueJudge::judge_equal(const std::string& device, const ChannelValue& value,
+                                               Track& track, CellTime at) const {
+  const int limit = frozen_limit(
+      track.limit, {track.longest_equal, track.reversals, track.changes, track.answers});
   if (track.equal && track.equal->value == value.value) {
     ++track.equal_count;
   } else {
-    if (track.equal) {
-      ++track.changes;
-      // What was judged as frozen is no example of what the channel does by itself.
-      if (!std::exchange(track.is_frozen, false)) {
-        track.longest_equal = std::max(track.longest_equal, track.equal_count);
-        track.answers += track.equal_count;
-      }
-      const double change = std::abs(value.value - track.equal->value);
-      track.finest_step = std::min(track.finest_step, change);
-      track.single_steps += change < 1.5 * track.finest_step;
-    }
+    if (track.equal) end_row(track, value.value - track.equal->value);
     track.equal = Value{value.value, at};
     track.equal_count = 1;
-    if (is_coarse(track)) track.others_then = others_of(value.channel);
+    track.moved_count = 0;
+    if (is_coarse(track)) track.others_then = others_of({device, value.channel}, track.limit);
   }
   if (limit == 0 || track.equal_count < limit) return std::nullopt;
-  if (is_coarse(track) && !others_have_moved(track)) return std::nullopt;
+  if (is_coarse(track)) {
+    if (!others_have_moved(track)) return std::nullopt;
+    // It follows its set point with a lag, however long it stood before.
+    if (++track.moved_count < limit && track.limit.is_held) return std::nullopt;
+  }
   track.is_frozen = true;
   return Finding{{},
                  value.channel,
@@ -153,6 +150,23 @@ std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue&
                  track.equal->at};
 }
 
+void ValueJudge::end_row(Track& track, double change) const {
+  const int direction = change > 0 ? 1 : -1;
+  const bool goes_back = track.direction != 0 && direction != track.direction;
+  track.direction = direction;
+  track.reversals += goes_back;
+  track.finest_step = std::min(track.finest_step, std::abs(change));
+  const bool is_single = std::abs(change) < 1.5 * track.finest_step;
+  const bool of_ramp = !goes_back && !is_single;
+  // What was judged as frozen is no example of what the channel does by itself.
+  if (std::exchange(track.is_frozen, false)) return;
+  track.longest_equal = std::max(track.longest_equal, track.equal_count);
+  if (of_ramp) return;
+  ++track.changes;
+  track.answers += track.equal_count;
+  track.single_steps += is_single;
+}
+
 bool ValueJudge::is_coarse(const Track& track) const {
   if (track.limit.frozen_answers >= 0) return false;
   if (track.answers > kCoarseAnswers * track.changes) return true;
@@ -160,12 +174,15 @@ bool ValueJudge::is_coarse(const Track& track) const {
          track.single_steps >= kSingleSteps * track.changes;
 }
 
-ValueJudge::Others ValueJudge::others_of(const std::string& channel) const {
+ValueJudge::Others ValueJudge::others_of(const DeviceChannel& channel,
+                                         const ChannelLimit& limit) const {
   const auto unit_of = [](const std::string& name) { return name.substr(name.rfind('_') + 1); };
   Others others;
-  for (const auto& [of, track] : tracks_)
-    if (of.second != channel && track.last && unit_of(of.second) == unit_of(channel))
-      others.emplace(of, track.last->value);
+  for (const auto& [of, track] : tracks_) {
+    if (of == channel || !track.last || unit_of(of.second) != unit_of(channel.second)) continue;
+    if (limit.is_held && of.first != channel.first) continue;
+    others.emplace(of, track.last->value);
+  }
   return others;
 }
 

@@ -3,10 +3,11 @@
 // answered before, time is that of the readings.
 //
 // Impossible: no value, not finite, outside the range, changed faster than physics allows. Frozen:
-// more equal answers in a row than the channel's own noise makes likely; where its steps hide its
-// noise, a room that turns round makes rows of any length, and other channels of its unit must have
-// moved far meanwhile. Together: all probes of a
-// scanner step in the same direction between two scans, which no room does.
+// more equal answers in a row than the channel's own noise makes likely. Noise goes back and forth;
+// a channel that only ever went one way has shown none. Where its steps hide its noise, a room that
+// turns round makes rows of any length, and other channels of its unit must have moved far
+// meanwhile; of a temperature that is held, its set point. Together: all probes of a scanner step
+// in the same direction between two scans, which no room does.
 //
 // After a step a channel stays in doubt until it steps back, whatever it drifts in between, or
 // until begin_anew(): a person says so, a run begins, the instrument was zeroed.
@@ -54,23 +55,30 @@ class ValueJudge {
     double stepped_by = 0;      // sum of the steps since the channel was last right
     // Equal answers in a row, and what is known of them from before.
     std::optional<Value> equal;
-    int equal_count = 0, longest_equal = 0, changes = 0;
-    std::int64_t answers = 0;                                 // of the rows that are over
-    bool is_frozen = false;                                   // the row of now
+    int equal_count = 0, longest_equal = 0;
+    int direction = 0;         // of the last change: +1, -1; 0 before the first
+    int reversals = 0;         // changes against the one before
+    int changes = 0;           // at the ends of rows, without those of a ramp
+    std::int64_t answers = 0;  // of the rows that are over, without those of a ramp
+    bool is_frozen = false;    // the row of now
     double finest_step = std::numeric_limits<double>::max();  // the smallest change seen
     int single_steps = 0;  // changes by one such step, as far as was known then
     Others others_then;    // of a coarse channel: its unit's at the row's begin
+    int moved_count = 0;   // answers of the row since they moved
   };
   struct Whole {  // a scanner
     double stepped_by_k = 0;
   };
   struct Change;
   Track& track_of(const DeviceDescription& device, const std::string& channel);
-  std::optional<Finding> judge_value(Track& track, const ChannelValue& value, CellTime at) const;
+  std::optional<Finding> judge_value(const std::string& device, const ChannelValue& value,
+                                     Track& track, CellTime at) const;
   std::optional<Finding> judge_step(Track& track, const ChannelValue& value, CellTime at) const;
-  std::optional<Finding> judge_equal(Track& track, const ChannelValue& value, CellTime at) const;
+  std::optional<Finding> judge_equal(const std::string& device, const ChannelValue& value,
+                                     Track& track, CellTime at) const;
   bool is_coarse(const Track& track) const;
-  Others others_of(const std::string& channel) const;
+  void end_row(Track& track, double change) const;
+  Others others_of(const DeviceChannel& channel, const ChannelLimit& limit) const;
   bool others_have_moved(const Track& track) const;
   std::optional<Finding> judge_together(const DeviceDescription& device, const Reading& reading);
 
@@ -81,16 +89,16 @@ class ValueJudge {
 
 // Answers of a channel before the present row of equal ones.
 struct EqualAnswers {
-  int longest = 0, changes = 0;
+  int longest = 0, reversals = 0, changes = 0;
   std::int64_t answers = 0;
 };
 // Equal answers in a row that make a channel frozen: more than three times the longest row seen,
 // more than its own rate of repetition makes with a chance of kByChance, and at least kFewestEqual;
-// 0 (not known) before kChangesToKnow changes. The longest row alone says too little at first: of
-// 20 rows of a channel that repeats itself three times in four the longest has some 12 answers, of
-// 5000 rows 30.
+// 0 (not known) before kReversalsToKnow reversals, which are two thirds of the changes of white
+// noise. The longest row alone says too little at first: of 20 rows of a channel that repeats
+// itself three times in four the longest has some 12 answers, of 5000 rows 30.
 int frozen_limit(const ChannelLimit& limit, const EqualAnswers& before);
-inline constexpr int kFewestEqual = 8, kChangesToKnow = 20;
+inline constexpr int kFewestEqual = 8, kReversalsToKnow = 20;
 inline constexpr double kByChance = 1e-9;
 // A channel whose steps hide its noise answers so many times for each change, or more than
 // kRepeats times with so large a share of its changes by a single step: rows are long where its

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -26,6 +27,33 @@ class Judge : public testing::Test {
   }
   CellDescription description = cell();
   ValueJudge judge{description};
+};
+
+// A cell with a stabilised support; the room's first thermometer stands beside it.
+class SupportedCell {
+ public:
+  SupportedCell() {
+    DeviceDescription support;
+    support.id = "support";
+    support.become<StabiliserSettings>();
+    description_.devices.push_back(support);
+  }
+  std::string says(double degc, double set_degc, double room_degc) {
+    time_s_ += 10;
+    auto room = scan(time_s_, {room_degc, 20.1, 20.2, 20.3});
+    judge_.judge(room);
+    JudgedReading reading;
+    reading.device = "support";
+    reading.start = reading.end = at_s(time_s_);
+    reading.values = {{"support_degC", degc}, {"support_set_degC", set_degc}};
+    judge_.judge(reading);
+    return test_of(reading, "support_degC");
+  }
+
+ private:
+  CellDescription description_ = cell();
+  ValueJudge judge_{description_};
+  double time_s_ = 0;
 };
 
 struct Impossible {
@@ -69,7 +97,7 @@ TEST_F(Judge, AStepBackMayBeALittleSmallerThanTheStep) {
 
 TEST_F(Judge, AThawedChannelMayBeFarFromWhereItFroze) {
   int k = 0;
-  for (; k < 30; ++k) EXPECT_EQ(say(10 * k, 20 + 1e-3 * (k % 7)), "") << k;
+  for (; k < 30; ++k) EXPECT_EQ(say(10 * k, 20 + 1e-3 * (3 * k % 7)), "") << k;
   for (int frozen = 0; frozen < 360; ++frozen, ++k) say(10 * k, 20.0005);
   EXPECT_EQ(say(10 * k, 20.0005), "frozen");
   EXPECT_EQ(say(10 * k + 10, 20.9), "") << "the room went on for an hour";
@@ -122,7 +150,7 @@ TEST_F(Judge, ProbesThatDisagreeDoNotStepTogether) {
 
 TEST_F(Judge, AFrozenValueIsFoundByTheChannelsOwnNoise) {
   int k = 0;
-  for (; k < 30; ++k) EXPECT_EQ(say(10 * k, 20 + 1e-3 * (k % 7)), "") << k;
+  for (; k < 30; ++k) EXPECT_EQ(say(10 * k, 20 + 1e-3 * (3 * k % 7)), "") << k;
   int frozen_after = 0;
   while (say(10 * ++k, 20.0005) == "" && ++frozen_after < 100) {
   }
@@ -156,9 +184,10 @@ TEST_F(Judge, AChannelThatOftenRepeatsItselfIsFoundFrozenByItsRate) {
   std::mt19937 random(7);
   std::bernoulli_distribution changes(0.25);
   double degc = 20;
-  int k = 0, change = 0;  // of one to five steps: its noise shows
+  const std::array steps = {1, -3, 5, -4, 2};  // more than one: its noise shows
+  int k = 0, change = 0;
   for (; k < 600; ++k)
-    EXPECT_EQ(say(10 * k, degc += changes(random) ? 0.001 * (1 + ++change % 5) : 0), "") << k;
+    EXPECT_EQ(say(10 * k, degc += changes(random) ? 0.001 * steps[++change % 5] : 0), "") << k;
   int frozen_after = 0;
   while (say(10 * ++k, degc) == "" && ++frozen_after < 1000) {
   }
@@ -175,7 +204,7 @@ TEST_F(Judge, ACoarseChannelIsFrozenOnlyWhileOthersMove) {
     return test_of(reading, "t01_degC");
   };
   int k = 0;
-  for (int block = 0; block < 30; ++block)
+  for (int block = 0; block < 36; ++block)
     for (int same = 0; same < 12; ++same)
       EXPECT_EQ(say_with(10 * ++k, 20 + 0.01 * (block % 3), 20.1), "") << block;
   for (int same = 0; same < 500; ++same)
@@ -185,6 +214,33 @@ TEST_F(Judge, ACoarseChannelIsFrozenOnlyWhileOthersMove) {
     EXPECT_EQ(say_with(10 * ++k, 20.05, neighbour_degc += 0.01), "") << neighbour_degc;
   say_with(10 * ++k, 20.05, 20.16);
   EXPECT_EQ(say_with(10 * ++k, 20.05, 20.16), "frozen") << "0.05 K while its own step is 0.01 K";
+}
+
+// From switching on a held support goes one way, a new number in each answer, and then shows its
+// set point for days while the room moves.
+TEST_F(Judge, ASupportThatReachedItsSetPointStandsStill) {
+  SupportedCell supported;
+  double degc = 17;
+  for (; degc < 19.995; degc += 0.03) EXPECT_EQ(supported.says(degc, 20, 22), "");
+  for (int k = 0; k < 5000; ++k)
+    ASSERT_EQ(supported.says(20, 20, 22 + 1e-3 * k), "") << k << " answers after the ramp";
+}
+
+// At a set point between two of its hundredths a support flickers; at one in the middle of a
+// hundredth it stands still.
+TEST_F(Judge, ASupportIsFrozenOnlyWhileItsSetPointMoves) {
+  SupportedCell supported;
+  std::mt19937 random(3);
+  std::bernoulli_distribution upper(0.5);
+  for (int k = 0; k < 300; ++k)
+    ASSERT_EQ(supported.says(upper(random) ? 20.01 : 20, 20.005, 22), "") << k;
+  for (int k = 0; k < 2000; ++k)
+    ASSERT_EQ(supported.says(20, 20, 22 + 1e-3 * k), "") << "only the room moved, " << k;
+  int still = 0;
+  while (supported.says(20, 20.5, 24) == "" && ++still < 1000) {
+  }
+  EXPECT_GE(still, kFewestEqual - 1) << "it follows its set point with a lag";
+  EXPECT_LT(still, 100);
 }
 
 TEST_F(Judge, AChannelThatNeverChangedIsNotJudged) {
