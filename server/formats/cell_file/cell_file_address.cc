@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "server/core/reasons.h"
@@ -39,7 +41,12 @@ bool is_one_place(std::string_view one, std::string_view other) {
     std::from_chars(port.data(), port.data() + port.size(), number);
     return std::pair(name, number);
   };
-  if (one.starts_with('/') || other.starts_with('/')) return false;
+  if (one.starts_with('/') || other.starts_with('/')) {
+    std::error_code ignored;  // a path that cannot be followed is compared as it is written
+    return one.starts_with('/') && other.starts_with('/') &&
+           std::filesystem::weakly_canonical(one, ignored) ==
+               std::filesystem::weakly_canonical(other, ignored);
+  }
   const auto first = place(one), second = place(other);
   if (first.second == 0 || first.second != second.second) return false;
   const auto is_any = [](const std::string& host) { return host == "0.0.0.0" || host == "[::]"; };

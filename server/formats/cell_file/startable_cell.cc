@@ -163,11 +163,10 @@ class StartCheck {
     return kind != nullptr && kind->shares_line;
   }
 
-  // One address speaks one protocol; serial lines are told apart by their drivers.
+  // One address, or serial line, speaks one protocol.
   void check_places() {
     for (std::size_t i = 0; i < cell_.devices.size(); ++i) {
       const auto& one = cell_.devices[i];
-      if (one.address.starts_with('/')) continue;
       for (std::size_t k = 0; k < i; ++k) {
         const auto& other = cell_.devices[k];
         if (other.kind == one.kind || !is_one_place(one.address, other.address) ||

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "drivers/all_devices.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/cell_file.h"
@@ -217,6 +220,22 @@ TEST(StartableCell, HasOneKindOfDeviceAtAnAddress) {
   EXPECT_THAT(refused.message, HasSubstr("address: found '10.0.0.1:5000', which is the address of "
                                          "device 'axis', a 'pi-gcs'"));
   EXPECT_THAT(refused.message, HasSubstr("'laser-x'"));
+}
+
+TEST(StartableCell, HasOneKindOfDeviceAtASerialLineUnderWhateverName) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "startable_cell_lines";
+  std::filesystem::create_directories(folder);
+  const auto line = folder / "ttyUSB0", by_id = folder / "by-id";
+  std::ofstream{line};
+  std::filesystem::remove(by_id);
+  std::filesystem::create_symlink(line, by_id);
+  const auto at = [](const std::filesystem::path& axis_line) {
+    return kHead + device("axis", "pi-gcs", axis_line.string()) + axis("q1_mm", "X");
+  };
+  for (const auto& name : {line, by_id})
+    EXPECT_THAT(refusal_of(at(line) + laser("laser-x", "x_mm", "", name.string())).message,
+                HasSubstr("which is the address of device 'axis', a 'pi-gcs'"));
+  EXPECT_TRUE(start_of(at(line) + laser("laser-x", "x_mm", "", folder / "ttyUSB1")));
 }
 
 TEST(StartableCell, ComparesItsDoorsWithItsDevicesAndItsRecordWithItself) {
