@@ -236,7 +236,8 @@ Eigen::MatrixXd noise_gram(const Eigen::Ref<const Eigen::MatrixXd>& columns,
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(across.rows());
     for (Index t = 0; t < across.cols(); ++t) {
       remembered.col(t) += sum;
-      sum = phi * (sum + part.variance * across.col(t));
+      sum += part.variance * across.col(t);
+      sum *= phi;
     }
   }
   const Eigen::MatrixXd half = across * remembered.transpose();
