@@ -37,8 +37,8 @@ std::string motor_symbol_of(const std::string& pose) {
   return robot_prefix(pose) + (name == "x" ? "q1" : name == "y" ? "q2" : "q3");
 }
 
-// Commands of a cell of several robots are counted through the motors of all of them: q4_cmd may be
-// that of ma.q1, and q1_cmd that of mn.q1.
+// In older records commands of several robots are counted through the motors of all of them: q4_cmd
+// may be that of ma.q1, and q1_cmd that of mn.q1.
 bool has_robots(const Dataset& dataset) {
   return std::ranges::any_of(dataset.columns, [](const DatasetColumn& column) {
     const auto& symbol = column.channel.symbol;
@@ -103,7 +103,7 @@ Result<AxisColumns> find_axis_columns(const Dataset& dataset, AxisColumns asked)
     if (asked.target.empty() && dataset.find(command))
       return fail(ErrorCode::invalid_argument, reasons::kNoColumn,
                   "found " + command + " for the axis " + asked.axis +
-                      " in data of several robots, where commands are counted through the motors "
+                      " in data of several robots, which counts commands through the motors "
                       "of all robots in the order of the cell file: name the column of this axis' "
                       "command (--target q6_cmd)");
     if (asked.target.empty())

@@ -32,8 +32,9 @@ struct AxisColumns {
 };
 
 // Fills in what is empty: measured q1 -> x, q2 -> y, q3 -> z; target x_target (a compensated run's
-// wanted pose), goal_x, q1_cmd, in this order. q1_cmd in data of several robots is not taken: it
-// may be the command of another one.
+// wanted pose), goal_x, q1_cmd, in this order; of one of several robots ma.x_target, ma.q1_cmd.
+// q1_cmd in data of several robots, as older records have it, is not taken: it may be the command
+// of another one.
 // Errors: invalid_argument BAD_AXIS; NO_COLUMN when the dataset has none of them.
 Result<AxisColumns> find_axis_columns(const Dataset& dataset, AxisColumns asked);
 

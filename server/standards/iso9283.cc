@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <unordered_map>
 
+#include "server/core/channel.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -27,9 +28,11 @@ struct PoseColumns {
 
 std::string commanded_as(const Dataset& dataset, const std::string& measured) {
   std::vector<std::string> names = {measured + "_target", "goal_" + measured};
-  if (measured == "x") names.emplace_back("q1_cmd");
-  if (measured == "y") names.emplace_back("q2_cmd");
-  if (measured == "z") names.emplace_back("q3_cmd");
+  const std::string pose(without_robot(measured));
+  const std::string robot = measured.substr(0, measured.size() - pose.size());
+  if (pose == "x") names.push_back(robot + "q1_cmd");
+  if (pose == "y") names.push_back(robot + "q2_cmd");
+  if (pose == "z") names.push_back(robot + "q3_cmd");
   return first_present(dataset, names);
 }
 

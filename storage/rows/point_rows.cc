@@ -46,6 +46,11 @@ AttemptRecord attempt_from(Session& session, const Query& query) {
   return attempt;
 }
 
+// "ma.q1_cmd_mm": of motors that are not q1, q2, ... in order, such as those of several robots.
+bool is_named_command(std::string_view channel) {
+  return channel.ends_with("_cmd_mm") && commanded_axis(channel) == 0;
+}
+
 // Rows of a query until it has none, or most points are there, or one is of another run than only.
 // Result: it ended at a point of another run.
 bool add_points(Session& session, Query& query, std::optional<RunId> only, std::size_t most,
@@ -69,9 +74,10 @@ bool add_points(Session& session, Query& query, std::optional<RunId> only, std::
       if (const std::size_t axis = commanded_axis(value.channel); axis != 0) {
         if (point.commanded_mm.size() < axis) point.commanded_mm.resize(axis, kMissing);
         point.commanded_mm[axis - 1] = value.value;
-      } else {
-        point.values.push_back(std::move(value));
+        continue;
       }
+      if (is_named_command(value.channel)) point.commanded_mm.push_back(value.value);
+      point.values.push_back(std::move(value));
     }
     points.push_back(std::move(point));
   }
@@ -160,8 +166,12 @@ PointId insert_point(Session& session, RunId run, const PointRecord& point, cons
   const auto add = [&](const std::string& channel, double value) {
     value_row.bind(id.value, session.names.channel(channel, Names::Use::point), value).run();
   };
-  for (const ChannelValue& value : point.values) add(value.channel, value.value);
-  for (std::size_t axis = 1; axis <= point.commanded_mm.size(); ++axis)
+  bool are_named = false;
+  for (const ChannelValue& value : point.values) {
+    add(value.channel, value.value);
+    are_named = are_named || is_named_command(value.channel);
+  }
+  for (std::size_t axis = 1; !are_named && axis <= point.commanded_mm.size(); ++axis)
     add(commanded_channel(axis), point.commanded_mm[axis - 1]);
   if (point.passage)
     Query(session.db, "INSERT INTO passage (point_id) VALUES (?)").bind(id.value).run();

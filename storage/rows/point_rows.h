@@ -18,7 +18,8 @@ struct FromFile {  // what an imported point keeps of its row
 DatumId insert_datum(Session& session, const DatumRecord& datum,
                      std::optional<std::int64_t> file_datum);
 std::int64_t insert_attempt(Session& session, RunId run, const AttemptRecord& attempt);
-// commanded_mm is stored as channels q1_cmd_mm, q2_cmd_mm, ... unless values has them already.
+// commanded_mm is stored as channels q1_cmd_mm, q2_cmd_mm, ... unless values has them already, or
+// names the commands itself (ma.q1_cmd_mm).
 PointId insert_point(Session& session, RunId run, const PointRecord& point, const FromFile& file);
 // Each gets the next row after those of the plan.
 void insert_passages(Session& session, RunId run, const std::vector<PointRecord>& passages);
@@ -27,7 +28,8 @@ std::vector<DatumRecord> read_datums(Session& session, RunId run);      // oldes
 std::optional<DatumRecord> read_newest_datum(Session& session);         // measured here
 std::vector<AttemptRecord> read_attempts(Session& session, RunId run);  // in the order stored
 // Those of a greater id, at most limit (0: all). values without the q*_cmd_mm, which become
-// commanded_mm.
+// commanded_mm; named commands stay in values and are in commanded_mm in the order in which the
+// record first had their channels.
 std::vector<PointRecord> read_points(Session& session, RunId run, std::int64_t after_id, int limit);
 // Of all runs, those after one id and up to another, at most limit. last: the id of the last one
 // read, unchanged when there is none.

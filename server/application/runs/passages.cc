@@ -5,6 +5,7 @@
 
 #include "server/application/motion/joining.h"
 #include "server/application/motion/loading.h"
+#include "server/application/runs/commands.h"
 #include "server/application/runs/point_visit.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -47,8 +48,8 @@ std::vector<PointRecord> passage_rows(const ActiveRun& run, std::size_t count) {
     row.passage = true;
     row.measured = passage.at;
     row.dwell_s = seconds_from(passage.at.utc - passage.in_position);
-    row.commanded_mm = passage.commanded_mm;
     row.values = passage.values.empty() ? place_of(run, passage) : passage.values;
+    set_commands(run.scope.bench.description, passage.commanded_mm, row);
     const auto force = run.scope.bench.description.force_channel();
     const auto is_force = [&force](const auto& value) { return value.channel == force->name(); };
     if (force && passage.force_n && std::ranges::none_of(row.values, is_force))

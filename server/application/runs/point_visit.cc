@@ -13,6 +13,7 @@
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/sampling_gates.h"
 #include "server/application/motion/until_stored.h"
+#include "server/application/runs/commands.h"
 #include "server/application/runs/passages.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -59,10 +60,10 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit, const RowComman
   point.zero = row.zero;
   point.measured = sampling.measured;
   point.dwell_s = seconds_from(sampling.measured.utc - arrival.in_position.utc);
-  point.commanded_mm = command.q_mm;
   const auto motors = run.scope.bench.description.motor_channels();
   for (std::size_t i = 0; i < motors.size(); ++i)
     point.values.push_back({motors[i].name(), sampling.q_mm[i]});
+  set_commands(run.scope.bench.description, command.q_mm, point);
   for (const auto& length : run.scope.bench.description.length_channels()) {
     if (const double* mean = find_value(sampling.means, length.name()))
       point.values.push_back({length.name(), *mean});

@@ -66,6 +66,27 @@ TEST_F(SeveralRobots, ArriveTogetherAndEveryPointHasBoth) {
   EXPECT_NEAR(mn.to_mm, 0, 1e-3);
 }
 
+// Order of the cell file's devices: ma before mn, with one axis each.
+TEST_F(SeveralRobots, HaveTheirCommandsUnderTheNamesOfTheirMotors) {
+  const auto begun = cell.begin_run(kBothRows);
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  for (const auto& point : points(begun.id)) {
+    EXPECT_EQ(value_of(point, "ma.q1_cmd_mm"), point.commanded_mm[0]);
+    EXPECT_EQ(value_of(point, "mn.q1_cmd_mm"), point.commanded_mm[1]);
+  }
+  const auto data = cell.await(cell.read([&begun](Store& store) {
+    return store.runs().dataset({&begun.id, 1});
+  }));
+  ASSERT_TRUE(data) << data.error().message;
+  for (const char* symbol : {"ma.q1_cmd", "mn.q1_cmd"}) {
+    const auto* command = data->find(symbol);
+    ASSERT_NE(command, nullptr) << symbol;
+    EXPECT_THAT(command->values, testing::Each(testing::Not(testing::IsNan()))) << symbol;
+  }
+  EXPECT_EQ(data->find("q1_cmd"), nullptr);
+  EXPECT_EQ(data->find("q2_cmd"), nullptr);
+}
+
 TEST_F(SeveralRobots, OneThatNoRowNamesStaysAtItsZero) {
   const auto begun = cell.begin_run(
       "mn.q1_mm,set,line,zero\n0,calibration,1,1\n2,calibration,1,0\n-3,calibration,1,0\n");
