@@ -100,6 +100,24 @@ TEST(PlantAxis, StopsWhereItIsWhenHalted) {
   EXPECT_NEAR(plant->axis(0, at(10)).commanded_mm, stopped_mm, 100e-6);
 }
 
+TEST(PlantAxis, ThatStandsDoesNotMoveWhenHalted) {
+  const auto plant = warm_plant();
+  plant->start_move(0, 1, at(0));
+  const double there_mm = plant->axis(0, at(5)).q_mm;
+  plant->halt_axis(0, at(5));
+  EXPECT_FALSE(plant->axis(0, at(5.001)).moving);
+  EXPECT_NEAR(plant->axis(0, at(10)).q_mm, there_mm, 100e-6);
+}
+
+// A controller begins a move a while after it took the command.
+TEST(PlantAxis, ForgetsAMoveThatHasNotBegunWhenHalted) {
+  const auto plant = warm_plant();
+  plant->start_move(0, 4, at(0));
+  plant->halt_axis(0, at(0.001));
+  EXPECT_FALSE(plant->axis(0, at(5)).moving);
+  EXPECT_NEAR(plant->axis(0, at(5)).q_mm, plant->axis(0, at(0)).q_mm, 100e-6);
+}
+
 TEST(PlantAxis, IsOffTargetWithoutServo) {
   const auto plant = warm_plant();
   plant->start_move(0, 1, at(0));

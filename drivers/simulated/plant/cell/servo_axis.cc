@@ -92,7 +92,9 @@ void ServoAxis::halt(double now_s) {
   const Move& present = move_at(now_s);
   const double end_mm = from.mm + from.mm_s * kStop_s / 2;
   Move stop = present;
-  stop.profile = Quintic(now_s, from, end_mm, kStop_s);
+  // An axis that stands is at rest at once; a move that has not begun never does.
+  const bool stands = now_s >= present.profile.end_s();
+  stop.profile = stands ? present.profile : Quintic(now_s, from, end_mm, kStop_s);
   stop.ring_nm = 0;
   stop.reference = false;
   commanded_mm_ = end_mm - stop.counter_zero_mm;

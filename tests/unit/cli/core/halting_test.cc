@@ -4,8 +4,10 @@
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 
+#include <atomic>
 #include <filesystem>
 
+#include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/record_service.grpc.pb.h"
 #include "server/formats/text/kept_stop.h"
 #include "tests/unit/cli/cli_fixture.h"
@@ -115,6 +117,54 @@ TEST_F(HaltingThatIsRefused, SaysThatAnotherProgramIsNoDaemonOfThisVersion) {
   EXPECT_THAT(stop.err, HasSubstr("NOT STOPPED: use the emergency switch. " + is_none));
   EXPECT_THAT(run({"status"}).err,
               AllOf(HasSubstr("driftwise: " + is_none), HasSubstr("--server")));
+}
+
+// A daemon whose axis is slowing down while it answers, as of a long move.
+class SlowingDown : public v1::CellService::Service {
+ public:
+  explicit SlowingDown(int looks) : looks_(looks) {}
+  grpc::Status StopAll(grpc::ServerContext*, const v1::StopAllRequest*,
+                       v1::StopAllResponse* answer) override {
+    answer->set_message("not confirmed: use the emergency switch");
+    answer->add_pending()->set_device_id("axis");
+    return grpc::Status::OK;
+  }
+  grpc::Status GetStatus(grpc::ServerContext*, const v1::GetStatusRequest*,
+                         v1::GetStatusResponse* status) override {
+    if (looks_-- > 0) status->add_pending_stops()->set_device_id("axis");
+    return grpc::Status::OK;
+  }
+
+ private:
+  std::atomic<int> looks_;
+};
+
+class HaltingThatTakesAWhile : public CliTest {
+ protected:
+  Outcome stop_of_an_axis_that_rests_after(int looks) {
+    SlowingDown daemon(looks);
+    int port = 0;
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+    builder.RegisterService(&daemon);
+    const auto running = builder.BuildAndStart();
+    environment["DRIFTWISE_SERVER"] = "127.0.0.1:" + std::to_string(port);
+    return run({"stop"});
+  }
+};
+
+TEST_F(HaltingThatTakesAWhile, IsSaidAtOnceAndAgainWhenTheAxisRests) {
+  const auto outcome = stop_of_an_axis_that_rests_after(2);
+  EXPECT_EQ(outcome.exit, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("not confirmed: use the emergency switch"));
+  EXPECT_THAT(outcome.out, HasSubstr("stopped: every controller reports no motion now"));
+}
+
+TEST_F(HaltingThatTakesAWhile, IsNoSuccessWhileTheAxisMoves) {
+  const auto outcome = stop_of_an_axis_that_rests_after(1000000);
+  EXPECT_EQ(outcome.exit, 5);
+  EXPECT_THAT(outcome.err, HasSubstr("not confirmed: use the emergency switch"));
+  EXPECT_THAT(outcome.out, testing::IsEmpty());
 }
 
 }  // namespace
