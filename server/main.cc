@@ -54,6 +54,7 @@
 #include "server/notify/outside_notifier.h"
 #include "server/rpc/server/rpc_server.h"
 #include "server/service_manager.h"
+#include "server/start_warnings.h"
 #include "server/web/http_server.h"
 #include "server/web/web_site.h"
 #include "storage/schema/schema.h"
@@ -235,15 +236,6 @@ std::string boot_id() {
   return id;
 }
 
-// A certificate out of its time is no reason not to start; the running daemon says it as an alarm.
-void warn_of_certificate(const AccessDescription& access) {
-  if (!access.tls()) return;
-  const auto now_utc_s = std::chrono::duration_cast<std::chrono::seconds>(
-      std::chrono::system_clock::now().time_since_epoch());
-  const auto good = access::check_certificate(access.certificate, access.key, now_utc_s.count());
-  if (!good) spdlog::warn("{}", good.error().message);
-}
-
 Result<Daemon> put_together(CellDescription description, asio::io_context& context,
                             const Arguments& arguments) {
   // A check starts nothing, so it does not ask for the clock that a simulated cell would share.
@@ -261,6 +253,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
     if (arguments.check) return tl::unexpected(page.error());
     spdlog::warn("{}", page.error().message);  // no reason not to measure
   }
+  warn_of_secrets(description.receivers);
   if (arguments.check) {
     DRIFTWISE_RETURN_IF_ERROR(check_database_folder(description.database));
     DRIFTWISE_RETURN_IF_ERROR(access::Access::check(description.access));

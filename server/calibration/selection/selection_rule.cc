@@ -49,7 +49,8 @@ Result<void> check_options(const FitOptions& options) {
                       effects::number_text(options.p_enter) +
                       ": a term would enter and leave for ever; raise p_remove");
   if (!options.candidates.constant && options.select == Select::stepwise)
-    return bad_option("the constant is always in a stepwise fit: use \"- 1\" only with select all");
+    return bad_option(
+        "the constant is always in a stepwise fit: use \"- 1\" only with --select all");
   if (options.starts < 1 || options.starts > kMostStarts)
     return bad_option(std::to_string(options.starts) + " starts are asked for: from 1 to " +
                       std::to_string(kMostStarts) + " can be tried");

@@ -24,9 +24,14 @@ constexpr int kSmoothDegree = 4;
 constexpr double kShareOfWave = 0.6, kManyPeriods = 8;
 constexpr double kLeftOfWave = 0.1, kFewPeriods = 1.5;  // rms, beside the baseline
 constexpr double kShareOfPlaces = 0.5, kFurtherApart = 10;
+// Chi squared of a wave on one output from which it counts there: one in a hundred by chance.
+constexpr double kShownChi2 = 9.2;
+constexpr double kHardly = 2.33;     // standard deviations: one in a hundred
 constexpr double kTurns = 0.5;       // rad: a wave's phase within its places
 constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
 constexpr Eigen::Index kFewestRowsPerMonomial = 5;
+constexpr std::size_t kFewestRowsPerPlace = 3;
+constexpr Eigen::Index kFewestWithin = 10;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
@@ -166,13 +171,65 @@ bool ToldFromGeometry::goes_with_its_places(const Cause& cause, double period,
   return of_data >= kShareOfPlaces * (turned < kTurns ? plain : of_wave);
 }
 
+// Free values of the places against the wave. By evidence each value costs ln(1 + its share of what
+// they explain), the factor by which the data narrow it; and chance gives each 1.
+bool ToldFromGeometry::explains_its_places(const Cause& cause, double period,
+                                           const Eigen::MatrixXd& columns,
+                                           const std::vector<std::size_t>& shape,
+                                           const Ground& ground) const {
+  const double own = cause.parameter == "period_nm" ? mm_from_nm(period) : period;
+  const auto values = problem_.prepared.phase_values(cause.subject);
+  if (values.empty()) return true;
+  const auto places = places_of(values, own);
+  if (places.empty()) return true;  // no places, or rows at each that are as far apart as they
+  std::vector<double> different;
+  for (const std::size_t row : problem_.learn) different.push_back(places[row]);
+  std::ranges::sort(different);
+  different.erase(std::ranges::unique(different).begin(), different.end());
+  const std::size_t count = different.size();
+  if (count < 2 || kFewestRowsPerPlace * count > problem_.learn.size()) return true;
+  if (different.back() - different.front() < kManyPeriods * own ||
+      different.back() - different.front() < own * static_cast<double>(count - 1))
+    return true;  // the places show the wave's course
+  Eigen::MatrixXd at_place = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(places.size()),
+                                                   static_cast<Eigen::Index>(count));
+  for (const std::size_t row : problem_.learn)
+    at_place(static_cast<Eigen::Index>(row),
+             std::ranges::lower_bound(different, places[row]) - different.begin()) = 1;
+  const Eigen::MatrixXd levels = problem_.learned(at_place);
+  double by_levels = 0, by_wave = 0, freedom = 0;
+  for (std::size_t o = 0; o < shape.size(); ++o) {
+    const auto at = static_cast<Eigen::Index>(o);
+    const auto& space = ground.space(shape[o], at);
+    const Eigen::VectorXd left = space.left_over(ground.series().col(at));
+    const Eigen::MatrixXd basis = beyond(space, levels);
+    const double of_levels = (basis.transpose() * left).squaredNorm();
+    const auto within = left.size() - basis.cols() - problem_.base_columns.cols();
+    if (within < kFewestWithin) return true;
+    // By what rows at one place differ: the ground's noise has the effect in it.
+    const double weight = static_cast<double>(within) / (left.squaredNorm() - of_levels);
+    const double of_wave = explained(space.left_over(columns), left) * weight;
+    if (of_wave < kShownChi2) continue;
+    by_wave += of_wave;
+    by_levels += of_levels * weight;
+    freedom += static_cast<double>(basis.cols());
+  }
+  const double further = freedom - static_cast<double>(columns.cols());
+  if (!(further > 0)) return true;  // fewer places than a wave takes
+  const double cost = further * std::log1p(by_levels / freedom);
+  const double chance =
+      further + kHardly * std::sqrt(2 * further) + 2 * (kHardly * kHardly - 1) / 3;
+  return by_levels - by_wave <= std::max(cost, chance);
+}
+
 bool ToldFromGeometry::operator()(const Cause& cause, double parameter,
                                   const Eigen::MatrixXd& columns,
                                   const std::vector<std::size_t>& shape,
                                   const Ground& ground) const {
   if (cause.id == "cyclic_error")
     return turns_on_these_places(cause, parameter, columns) &&
-           goes_with_its_places(cause, parameter, columns, shape, ground);
+           goes_with_its_places(cause, parameter, columns, shape, ground) &&
+           explains_its_places(cause, parameter, columns, shape, ground);
   if (cause.linear != LinearParameter::offset_mm && cause.linear != LinearParameter::angle_arcsec)
     return true;
   if (geometry_.cols() > geometry_.rows() / kFewestRowsPerMonomial) return true;

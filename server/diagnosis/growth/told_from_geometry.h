@@ -5,7 +5,9 @@
 // along places that are whole multiples of 10 um is one slow turn over 0.8 m, and as smooth as what
 // the geometry lacks. And one of the lattice's own spacing is a constant but for a few per cent:
 // what the baseline leaves of it is the difference between the pose as it was read and as the
-// motors predict it, and explains the readings' noise.
+// motors predict it, and explains the readings' noise. And one that is far shorter than the places
+// are apart gives a dozen of them any values, as one of a thousand periods fits: it must leave
+// nothing that free values of the places would explain.
 
 #include <Eigen/Core>
 #include <span>
@@ -27,7 +29,8 @@ class ToldFromGeometry {
   // more along a coordinate more than two on these places, and does it, of several motors, explain
   // half as much where each row stands at its place in the mean? Else it is a function of what the
   // other motors do to the axis within a place: a guide that is not straight, the rounding of what
-  // they read. True for every other cause.
+  // they read. Does a wave shorter than the places are apart explain what free values of the places
+  // do, but for what chance gives them and their number costs? True for every other cause.
   bool operator()(const Cause& cause, double parameter, const Eigen::MatrixXd& columns,
                   const std::vector<std::size_t>& shape, const Ground& ground) const;
 
@@ -37,6 +40,9 @@ class ToldFromGeometry {
   std::vector<double> places_of(std::span<const double> values, double period) const;
   bool goes_with_its_places(const Cause& cause, double period, const Eigen::MatrixXd& columns,
                             const std::vector<std::size_t>& shape, const Ground& ground) const;
+
+  bool explains_its_places(const Cause& cause, double period, const Eigen::MatrixXd& columns,
+                           const std::vector<std::size_t>& shape, const Ground& ground) const;
 
   const Problem& problem_;
   std::ptrdiff_t motors_ = 0;

@@ -211,7 +211,8 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
         most > kOneAxis * shares.norm())
       finding.subject = problem.outputs[static_cast<std::size_t>(strongest)].channel.symbol;
   }
-  if (cause.applies_to == effects::AppliesTo::correction && !of_the_pose)
+  const bool is_jump = cause.linear == LinearParameter::size_nm;
+  if ((cause.applies_to == effects::AppliesTo::correction || is_jump) && !of_the_pose)
     if (auto own = instrument_numbers(problem, cause, named, finding.subject, coefficients, errors))
       of_outputs = std::move(*own);
   finding.parameters.insert(finding.parameters.end(), std::make_move_iterator(of_outputs.begin()),

@@ -104,6 +104,7 @@ std::string parameter_text(const FoundParameter& parameter, const Finding& findi
   if (parameter.ci90)
     text += " (90 %: " + digits_text(parameter.ci90->low * unit.factor, digits) + " to " +
             digits_text(parameter.ci90->high * unit.factor, digits) + ")";
+  if (!parameter.aliases.empty()) text += ", or another that looks the same here (see the note)";
   return text;
 }
 
@@ -153,7 +154,7 @@ std::string what(const Finding& finding) {
       {"cosine_error", "the length of % shrinks with the tilt of its mirror"},
       {"refractive_index", "the air on the beam's way changes the length"},
       {"instrument_drift", "the zero drifts steadily"},
-      {"step_change", "a jump at one instant"},
+      {"step_change", "what is read of % jumps at one instant"},
       {"periodic_disturbance", "something periodic in time that no channel shows"},
       {"outliers", "isolated wrong rows, left out"},
       {"noise_change", "the spread changes, not the mean"},

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/core/text/quantity_text.h"
 #include "server/diagnosis/report/heading.h"
 #include "server/diagnosis/report/taken_by_time.h"
 #include "server/effects/term_order.h"
@@ -193,6 +194,12 @@ std::string diagnosis_page(const diagnosis::Diagnosis& d) {
   }
   if (!d.not_testable.empty()) page += "\nnot testable with these data\n";
   for (const auto& one : d.not_testable) page += "  " + one.cause + ": " + one.why + "\n";
+  if (d.separating_experiment) {
+    page += "\nseparating measurement: " + d.separating_experiment->why;
+    if (d.separating_experiment->predicted_power)
+      page += " (power " + digits_text(*d.separating_experiment->predicted_power, 2) + ")";
+    page += "\n";
+  }
   for (const auto& warning : d.warnings) page += "\nnote: " + warning + "\n";
   return page;
 }

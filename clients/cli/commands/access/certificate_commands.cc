@@ -16,6 +16,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <sstream>
 
 #include "clients/cli/commands/access/role_text.h"
 #include "clients/cli/core/validators.h"
@@ -56,8 +57,9 @@ class Scratch {
   fs::path path_;
 };
 
-// openssl(1) with these arguments, no shell between; what it says is in the message of a failure.
-void openssl(const fs::path& folder, std::vector<std::string> arguments) {
+// openssl(1) with these arguments, no shell between: what it says, which is in the message of a
+// failure too.
+std::string openssl(const fs::path& folder, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "openssl");
   std::vector<char*> pointers;
   for (auto& argument : arguments) pointers.push_back(argument.data());
@@ -79,9 +81,9 @@ void openssl(const fs::path& folder, std::vector<std::string> arguments) {
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
   std::ifstream file(said.path());
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return text;
   throw cannot("openssl " + arguments.at(1) + " failed", text.substr(0, 600));
 }
 
@@ -250,10 +252,48 @@ bool make_authority(const fs::path& folder) {
   return true;
 }
 
+// Host names and addresses of the daemon's certificate of before; none: there is none, or it cannot
+// be read.
+std::vector<std::string> names_of_before(const fs::path& folder) {
+  const fs::path certificate = folder / "server.pem";
+  if (!fs::exists(certificate)) return {};
+  std::istringstream said;
+  try {
+    said.str(
+        openssl(folder, {"x509", "-in", certificate.string(), "-noout", "-ext", "subjectAltName"}));
+  } catch (const Failure&) {
+    return {};  // damaged: it is made anew
+  }
+  std::vector<std::string> names;
+  for (std::string word; said >> word;) {
+    if (word.ends_with(',')) word.pop_back();
+    const auto colon = word.find(':');  // "DNS:cell7", and of "IP Address:10.0.0.7" the second word
+    const std::string kind = word.substr(0, colon);
+    if (colon != std::string::npos && (kind == "DNS" || kind == "Address"))
+      names.push_back(word.substr(colon + 1));
+  }
+  return names;
+}
+
+// "::1" and "0:0:0:0:0:0:0:1" are one address.
+bool is_one_name(const std::string& one, const std::string& other) {
+  std::array<unsigned char, sizeof(in6_addr)> first{}, second{};
+  for (const int family : {AF_INET, AF_INET6})
+    if (::inet_pton(family, one.c_str(), first.data()) == 1 &&
+        ::inet_pton(family, other.c_str(), second.data()) == 1)
+      return first == second;
+  return one == other;
+}
+
 ExitCode cert_init(const Session& session, const CertificateArguments& a) {
   const fs::path folder = fs::path(session.console.working_folder) / a.folder;
   std::vector<std::string> names = {"localhost", "127.0.0.1", "::1", host_name()};
-  names.insert(names.end(), a.names.begin(), a.names.end());
+  std::vector<std::string> further;
+  for (const auto& name : a.names.empty() ? names_of_before(folder) : a.names)
+    if (std::ranges::none_of(names, [&](const auto& has) { return is_one_name(has, name); })) {
+      names.push_back(name);
+      further.push_back(name);
+    }
   std::string alternative;
   for (const auto& name : names) {
     if (!is_address(name)) check_plain(name, "--name", "*");
@@ -262,7 +302,7 @@ ExitCode cert_init(const Session& session, const CertificateArguments& a) {
   }
   make_folder(folder);
   const bool fresh = make_authority(folder);
-  const std::string subject = a.names.empty() ? host_name() : a.names.front();
+  const std::string subject = further.empty() ? host_name() : further.front();
   sign(For::daemon, folder, "server", subject.substr(0, 60), "serverAuth", alternative,
        days_text(a.days, kServerDays));
   if (fresh || !fs::exists(folder / "revoked.pem")) {
@@ -288,7 +328,8 @@ ExitCode cert_init(const Session& session, const CertificateArguments& a) {
                       << path("revoked.pem") << "\"\n";
   session.console.err << (fresh ? "a new authority is in " : "signed by the authority in ")
                       << path("authority.pem") << "; its key " << path("authority.key")
-                      << " signs every further certificate: keep it, and nowhere else\n"
+                      << " signs every further certificate: keep it off this computer until then\n"
+                      << "clients reach the daemon as " << alternative << "\n"
                       << "the lines above belong into the cell file; clients need "
                       << path("authority.pem") << " (--tls-ca)\n";
   return ExitCode::done;
@@ -357,8 +398,9 @@ ExitCode cert_revoke(const Session& session, const CertificateArguments& a) {
                                 {"revoked_before", already},
                                 {"list", list}});
   else
-    session.console.out << a.name << ": " << issued.size() - already << " certificates revoked, "
-                        << already << " were before; " << list
+    session.console.out << a.name << ": " << issued.size() - already
+                        << (issued.size() - already == 1 ? " certificate" : " certificates")
+                        << " revoked now, " << already << " before; " << list
                         << " is for the daemon ([access] revoked), which reads it within seconds\n";
   return ExitCode::done;
 }
@@ -379,8 +421,10 @@ void add_certificate_commands(CLI::App& app, Session& session) {
       add_command(certificates, session, "init",
                   "An authority, where there is none, and a new certificate for the daemon",
                   [&session, a] { return cert_init(session, *a); });
-  beginning.add_option("--name", a->names,
-                       "host name or address that clients use; this host's are in it anyway");
+  beginning.add_option(
+      "--name", a->names,
+      "host name or address that clients use, besides this host's; without it those of "
+      "the certificate of before");
   shared(beginning);
   CLI::App& client = add_command(certificates, session, "client",
                                  "A certificate for a person or a program, with a role",

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "clients/cli/commands/diagnoses/diagnosis_commands.h"
+#include "clients/cli/core/text.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
 #include "server/diagnosis/diagnose.h"
@@ -53,10 +54,12 @@ void add_separating(const Session& session, const DiagnoseArguments& a, const Da
   }
   if (*plan) found.separating_experiment = formats::separating_text(**plan);
   if (a.separating.empty()) return;
-  if (found.separating_experiment && !found.separating_experiment->trajectory_csv.empty())
+  if (found.separating_experiment && !found.separating_experiment->trajectory_csv.empty()) {
     write_output_file(a.separating, names.with_id(found.separating_experiment->trajectory_csv),
                       {a.file});
-  else
+    session.console.err << "separating trajectory: " << a.separating << ", "
+                        << span_text(found.separating_experiment->estimated_s) << "\n";
+  } else
     session.console.err << "no separating trajectory: "
                         << (found.separating_experiment ? found.separating_experiment->why
                                                         : "nothing is indistinguishable")

@@ -64,7 +64,8 @@ void add_axis(CLI::App& command, standards::AxisColumns& columns) {
   command.add_option(
       "--target", columns.target,
       "column of what was wanted, without its unit; else x_target, goal_x or q1_cmd");
-  command.add_option("--measured", columns.measured, "column of what was measured; else x");
+  command.add_option("--measured", columns.measured,
+                     "column of what was measured; else x, of q2 y, of q3 z");
 }
 
 void add_iso230_2(CLI::App& parent, Session& session) {
@@ -95,9 +96,12 @@ void add_iso230_3(CLI::App& parent, Session& session) {
   command.add_option("--hours", a->iso230_3.hours, "the test lasts at least so long")
       ->check(positive_number())
       ->capture_default_str();
-  command.add_option("--window", a->iso230_3.windows_min, "minutes; the worst drift within each")
+  command
+      .add_option("--window", a->iso230_3.windows_min,
+                  "minutes, several separated by commas; the worst drift within each")
       ->delimiter(',')
-      ->check(positive_number());
+      ->check(positive_number())
+      ->capture_default_str();
   command.add_option("--longest-gap", a->iso230_3.longest_gap_min, "minutes between two visits")
       ->check(positive_number())
       ->capture_default_str();
@@ -130,9 +134,11 @@ void add_iso9283(CLI::App& parent, Session& session) {
       ->check(number_between(2, 100000))
       ->capture_default_str();
   command.add_option("--same-pose-mm", options.same_pose_mm, "commands so near are one pose")
-      ->check(positive_number());
+      ->check(positive_number())
+      ->capture_default_str();
   command.add_option("--same-pose-arcsec", options.same_pose_arcsec, "the same of their rotations")
-      ->check(positive_number());
+      ->check(positive_number())
+      ->capture_default_str();
   command.add_flag("--repeatability-only", a->repeatability_only,
                    "commands and measurements stand in different frames: RP alone");
 }

@@ -42,7 +42,9 @@ void print_check(const Console& console, const v1::CheckTrajectoryResponse& chec
   console.out << file << ": " << paint.good("good") << '\n'
               << "  " << check.row_count() << " points (" << check.calibration_count()
               << " calibration, " << check.validation_count() << " validation) on "
-              << check.line_count() << " lines, " << check.zero_count() << " returns to zero, in "
+              << check.line_count() << (check.line_count() == 1 ? " line, " : " lines, ")
+              << check.zero_count()
+              << (check.zero_count() == 1 ? " return to zero, in " : " returns to zero, in ")
               << coordinates << '\n'
               << "  takes about " << span_text(seconds_of(check.estimated_duration()))
               << " of cell time (" << band_text(check.estimated_band()) << ")\n";

@@ -34,6 +34,21 @@ TEST_F(CertificateCommands, MakeAnotherServerCertificateByTheSameAuthority) {
   EXPECT_NE(after.at("server.pem"), before.at("server.pem"));
 }
 
+TEST_F(CertificateCommands, KeepTheNamesOfTheCertificateBefore) {
+  const auto names = [this] {
+    return run_process({"/usr/bin/env", "openssl", "x509", "-in", path("server.pem"), "-noout",
+                        "-ext", "subjectAltName"})
+        .out;
+  };
+  ASSERT_EQ(run({"cert", "init", "--name", "cell7.lab.example", "--name", "10.0.0.7"}).exit, 0);
+  const auto stated = names();
+  EXPECT_THAT(stated, testing::AllOf(HasSubstr("DNS:cell7.lab.example"), HasSubstr("10.0.0.7")));
+  ASSERT_EQ(run({"cert", "init"}).exit, 0);
+  EXPECT_EQ(names(), stated);
+  ASSERT_EQ(run({"cert", "init", "--name", "cell8"}).exit, 0);
+  EXPECT_THAT(names(), testing::AllOf(HasSubstr("cell8"), testing::Not(HasSubstr("cell7"))));
+}
+
 // The key is kept off the measuring computer (docs/access.md): clients know the authority by its
 // certificate, which a new one would lock out.
 TEST_F(CertificateCommands, ReplaceNoAuthorityWhoseKeyIsKeptElsewhere) {

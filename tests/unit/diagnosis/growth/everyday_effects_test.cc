@@ -30,6 +30,20 @@ TEST(TwoJumps, AreBothNamedWhateverTheirSigns) {
   }
 }
 
+// The motor is the output: its model has the jump with the opposite sign.
+TEST(AJump, HasTheSignOfWhatIsReadOfTheCoordinate) {
+  for (const double jump_mm : {150e-6, -150e-6}) {
+    EverydayAxis axis(1);
+    for (std::size_t row = 200; row < EverydayAxis::kRows; ++row) axis.x_mm[row] += jump_mm;
+    const auto found = axis.diagnosed();
+    ASSERT_THAT(names_found(found), ElementsAre("step_change x"));
+    const auto& parameters = found.findings[0].parameters;
+    const auto size = std::ranges::find(parameters, "size_nm", &FoundParameter::name);
+    ASSERT_NE(size, parameters.end()) << found.findings[0].sentence;
+    EXPECT_NEAR(size->value, 1e6 * jump_mm, 30);
+  }
+}
+
 // Every move is far longer than the play: what the readings have is its step, so that the width
 // of the term is what the step says, and the term is served with it.
 TEST(APlayShorterThanEveryMove, HasTheWidthThatItsStepHas) {
