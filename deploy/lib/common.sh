@@ -58,7 +58,9 @@ configure_and_build() {
   cd "$root"
   # From nothing, files compiled together cost a third; a folder that exists stays as its owner configured it.
   # Line tables are a twelfth of the compiler's time; who looks for a crash configures the preset by itself.
-  if [ ! -f "build/$preset/CMakeCache.txt" ]; then
+  # Each time: the preset's own flags would come back, and with them a build of everything.
+  local cache=build/$preset/CMakeCache.txt
+  if [ ! -f "$cache" ] || grep -q '^DRIFTWISE_UNITY_BUILD:BOOL=ON' "$cache"; then
     options+=(-DDRIFTWISE_UNITY_BUILD=ON)
     if [ "$preset" = dev ]; then options+=(-DCMAKE_CXX_FLAGS_DEBUG=-Og); fi
   fi
