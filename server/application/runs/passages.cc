@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/motion/commands.h"
 #include "server/application/motion/joining.h"
 #include "server/application/motion/loading.h"
-#include "server/application/runs/commands.h"
 #include "server/application/runs/point_visit.h"
 #include "server/core/try.h"
 #include "server/core/units.h"

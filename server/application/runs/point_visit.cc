@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/motion/commands.h"
 #include "server/application/motion/joining.h"
 #include "server/application/motion/keep_out.h"
 #include "server/application/motion/loading.h"
@@ -13,7 +14,6 @@
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/sampling_gates.h"
 #include "server/application/motion/until_stored.h"
-#include "server/application/runs/commands.h"
 #include "server/application/runs/passages.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"

@@ -1,4 +1,4 @@
-#include "server/application/runs/commands.h"
+#include "server/application/motion/commands.h"
 
 #include <algorithm>
 #include <utility>
