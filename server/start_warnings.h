@@ -1,5 +1,5 @@
 #pragma once
-// What a cell file names that cannot be used now, and is no reason not to measure.
+// Files that a cell file names and that cannot be used now: no reason not to measure.
 
 #include "server/core/description/cell_description.h"
 

@@ -158,7 +158,7 @@ void ValueJudge::end_row(Track& track, double change) const {
   track.finest_step = std::min(track.finest_step, std::abs(change));
   const bool is_single = std::abs(change) < 1.5 * track.finest_step;
   const bool of_ramp = !goes_back && !is_single;
-  // What was judged as frozen is no example of what the channel does by itself.
+  // A row that was judged as frozen is no example of what the channel does by itself.
   if (std::exchange(track.is_frozen, false)) return;
   track.longest_equal = std::max(track.longest_equal, track.equal_count);
   if (of_ramp) return;

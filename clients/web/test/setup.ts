@@ -1,4 +1,4 @@
-// What the tests share: what jsdom lacks of a browser and the page uses at its start, and the end of each test.
+// Parts of a browser that jsdom lacks and the page uses at its start, and the end of each test.
 import { act, cleanup } from '@testing-library/preact';
 import { afterEach } from 'vitest';
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the motors were told, under the names of their channels.
+// Commands of the motors, under the names of their channels.
 
 #include "server/core/description/cell_description.h"
 #include "server/core/records/records.h"
