@@ -10,11 +10,13 @@
 namespace driftwise::application {
 
 // Before every datum: after a restart, or where the axes have lost the reference that they had when
-// motion was asked for, who says that the robot may move. Nothing has moved yet.
+// motion was asked for, who says that the robot may move. Nothing has moved yet. Where the run is
+// held by then, nobody has said it: it is asked again after the hold.
 Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
   if (!begins_by_itself_.empty()) {
-    const auto why = std::exchange(begins_by_itself_, {});
-    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+    if (auto ok = co_await announce_motion(run, begins_by_itself_); !ok) co_return ok;
+    if (run.control.held()) co_return Result<void>{};
+    begins_by_itself_.clear();
   }
   DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
   // The first look since a person asked: the controller did not answer then.
@@ -42,6 +44,7 @@ Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
   } else if (power_loss) {
     why += ", and the cell file says to go on ([run] after_power_loss = \"go-on\")";
     if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+    if (run.control.held()) co_return Result<void>{};
     switch_on_ = SwitchOn::if_unreferenced;
     co_await note_reference(state.referenced);
   }
@@ -51,15 +54,20 @@ Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
 }
 
 // The robot is about to move without anybody having asked for it now: a minute for a person to stop
-// it.
+// it, or to pause the run. What holds the run ends the minute.
 Awaitable<Result<void>> RunEngine::announce_motion(ActiveRun& run, const std::string& why) {
   constexpr double kWarning_s = 60;
   const auto begins = bench_.clock.now().utc + nanoseconds_from_s(kWarning_s);
-  announcement_ = fmt::format("run {} moves the robot at {}: {}; a stop keeps it from moving",
-                              run.record.id.value, to_iso8601(bench_.clock.utc(begins)), why);
+  announcement_ =
+      fmt::format("run {} moves the robot at {}: {}; a stop or a pause keeps it from moving",
+                  run.record.id.value, to_iso8601(bench_.clock.utc(begins)), why);
   bench_.events.record_own("run.moves_soon", announcement_, run.record.id);
   run.scope.phase("about to move");
-  const auto waited = co_await run.scope.sleep_until(begins);
+  Result<void> waited = run.control.check();
+  while (waited && !run.control.held() && bench_.clock.now().utc < begins) {
+    co_await sleep_unless(bench_.clock, begins, run.control.changed());
+    waited = run.control.check();
+  }
   announcement_.clear();
   co_return waited;
 }

@@ -190,18 +190,8 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
 }
 
 Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
-  if (run.control.held()) {
-    const auto kind = run.control.hold().kind;
-    const auto state = kind == RunHold::Kind::configuration ? RunState::waiting : RunState::paused;
-    if (auto ok = co_await hold(run, state); !ok) co_return ok;
-    if (auto ok = co_await use_permission(run); !ok) co_return ok;
-  }
-  if (wanted_datum_) {
-    if (auto ok = co_await prepare(run); !ok) co_return ok;
-    if (auto ok = co_await clear_to_move(run); !ok) co_return ok;
-    if (auto ok = co_await bring_force(run); !ok) co_return ok;
-    if (auto ok = co_await new_datum(run); !ok) co_return ok;
-  }
+  if (auto ok = co_await heed_hold(run); !ok) co_return ok;
+  if (auto ok = co_await reach_datum(run); !ok) co_return ok;
   while (true) {
     if (!wanted_datum_) take_back_permission();
     if (return_is_owed(run))
@@ -213,19 +203,14 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
       if (auto ok = co_await mark_held(run); !ok) co_return ok;
       if (run.control.wants_zero())
         if (auto ok = co_await go_to_zero(run, "zero while the run waits"); !ok) co_return ok;
-      if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
-      if (auto ok = co_await use_permission(run); !ok) co_return ok;
+      if (auto ok = co_await heed_hold(run); !ok) co_return ok;
     }
-    if (wanted_datum_) {
-      if (auto ok = co_await prepare(run); !ok) co_return ok;
-      if (auto ok = co_await clear_to_move(run); !ok) co_return ok;
-      if (auto ok = co_await bring_force(run); !ok) co_return ok;
-      if (auto ok = co_await new_datum(run); !ok) co_return ok;
-    }
+    if (auto ok = co_await reach_datum(run); !ok) co_return ok;
     const auto& row = run.trajectory.points[static_cast<std::size_t>(visit->row)];
     run.progress.row = visit->row;
     run.progress.line = row.line;
     if (auto ok = co_await bring_force(run); !ok) co_return ok;
+    if (run.control.held()) continue;  // since: weights may take hours
     run.meter.visit_begins(bench_.clock.now().utc);
     DRIFTWISE_CO_TRY(auto result, co_await visit_row(run, *visit, hooks_.command_for));
     run.meter.visited(visit->from_queue, run.length.row(visit->row), bench_.clock.now().utc);
@@ -254,8 +239,7 @@ bool RunEngine::return_is_owed(const ActiveRun& run) const {
 // Everything that hangs on the end-effector is taken off, and the axes return to zero.
 Awaitable<Result<void>> RunEngine::park(ActiveRun& run) {
   if (!run.plan.rules.park) co_return Result<void>{};
-  if (run.control.held())
-    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  if (auto ok = co_await heed_hold(run); !ok) co_return ok;
   take_back_permission();
   if (auto ok = run.control.check(); !ok) co_return ok;
   if (bench_.description.load) {
@@ -263,6 +247,8 @@ Awaitable<Result<void>> RunEngine::park(ActiveRun& run) {
     const auto acts_n = bench_.loading.known_n();
     if (acts_n && !same_force(*acts_n, 0))
       if (auto ok = co_await bench_.loading.bring_to(run.scope, 0); !ok) co_return ok;
+    if (auto ok = co_await heed_hold(run); !ok) co_return ok;
+    take_back_permission();
   }
   const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
   if (!check_soft_limits(bench_.description, zero_mm)) co_return Result<void>{};
@@ -315,10 +301,27 @@ Awaitable<Result<void>> RunEngine::bring_force(ActiveRun& run) {
   co_return co_await bench_.loading.bring_to(run.scope, *wanted_n);
 }
 
+// The datum that is wanted, if one is, and what comes before it. Who pauses the run while it waits,
+// for the minute that announces a motion or for weights, is heard before anything moves.
+Awaitable<Result<void>> RunEngine::reach_datum(ActiveRun& run) {
+  while (wanted_datum_) {
+    if (auto ok = co_await heed_hold(run); !ok) co_return ok;
+    if (auto ok = co_await prepare(run); !ok) co_return ok;
+    if (auto ok = co_await clear_to_move(run); !ok) co_return ok;
+    if (run.control.held()) continue;
+    if (auto ok = co_await bring_force(run); !ok) co_return ok;
+    if (run.control.held()) continue;
+    if (auto ok = co_await new_datum(run); !ok) co_return ok;
+  }
+  co_return Result<void>{};
+}
+
+// Leaves the datum wanted where the run is held before the axes move.
 Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
   bench_.doubts.forget_datum();  // what the instruments show counts from elsewhere
   // Weights that a person hangs may take hours: the power may have gone meanwhile.
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await clear_to_move(run));
+  if (run.control.held()) co_return Result<void>{};
   auto homing = make_homed(run.scope, wanted_datum_->home, switch_on_);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(homing));
   switch_on_ = SwitchOn::no;

@@ -115,6 +115,7 @@ class RunEngine {
   Awaitable<Result<void>> park(ActiveRun& run);
   void hold_if_too_many_were_given_up(ActiveRun& run);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
+  Awaitable<Result<void>> reach_datum(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);
   Awaitable<void> note_reference(bool referenced);
   Awaitable<Result<void>> mark_held(ActiveRun& run);
@@ -130,6 +131,8 @@ class RunEngine {
   void want_datum(const ActiveRun& run, bool beam_lost, bool reference_lost, bool servo_off);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
   Awaitable<Result<void>> hold_on(ActiveRun& run, RunState state);
+  Awaitable<Result<void>> heed_hold(ActiveRun& run);
+  Awaitable<void> take_resume(ActiveRun& run);
   void take_back_permission();  // a person's, to switch servos on: its moment is over
   bool has_lost_reference(bool referenced) const;
   Awaitable<Result<void>> use_permission(ActiveRun& run);

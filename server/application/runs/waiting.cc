@@ -17,6 +17,16 @@
 
 namespace driftwise::application {
 
+namespace {
+
+// Whoever ends it has said that the robot may move.
+bool is_ended_by_a_person(RunHold::Kind kind) {
+  return kind != RunHold::Kind::none && kind != RunHold::Kind::configuration &&
+         kind != RunHold::Kind::condition;
+}
+
+}  // namespace
+
 // Until a person resumes, or the condition is over; then the devices are looked at as after any
 // trouble.
 Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
@@ -152,6 +162,26 @@ Awaitable<Result<void>> RunEngine::use_permission(ActiveRun& run) {
   co_return Result<void>{};
 }
 
+// What holds the run, if anything does, until it is over.
+Awaitable<Result<void>> RunEngine::heed_hold(ActiveRun& run) {
+  if (!run.control.held()) co_return Result<void>{};
+  const auto kind = run.control.hold().kind;
+  const auto state = kind == RunHold::Kind::configuration ? RunState::waiting : RunState::paused;
+  if (auto ok = co_await hold(run, state); !ok) co_return ok;
+  co_return co_await use_permission(run);
+}
+
+// A person has resumed, and the cell still keeps the run. That the robot may move is said, of the
+// machine as it stands now: also that its power was away. A servo that is off when the cell lets go
+// may have been switched off meanwhile.
+Awaitable<void> RunEngine::take_resume(ActiveRun& run) {
+  may_start_ = true;
+  begins_by_itself_.clear();
+  switch_on_ = SwitchOn::yes;
+  static_cast<void>(co_await use_permission(run));  // a controller that is silent: asked again
+  take_back_permission();
+}
+
 Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
   const auto begun = run.control.hold().kind;
   if (run.control.held() || axes_lent_) {
@@ -160,28 +190,34 @@ Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
   }
   // Meanwhile the recorder shows where the axes and the lengths are, and a person may move them.
   bench_.recorder.lend_pose_instruments(false);
+  bool is_resumed = false;  // by a person, and the cell has not let go since
   Result<void> may_continue = run.control.check();
   while (may_continue && (run.control.held() || axes_lent_)) {
     if (run.control.held()) {
+      const bool waits_for_a_person = is_ended_by_a_person(run.control.hold().kind);
       may_continue = co_await hold_on(run, state);
+      is_resumed = waits_for_a_person && !is_ended_by_a_person(run.control.hold().kind);
     } else {
       // Whatever ended the hold: two sequences would drive the axes at once.
       run.scope.phase("waiting for the movement by hand");
       co_await run.control.changed().wait();
     }
     if (may_continue && !run.control.held() && !axes_lent_) hooks_.look_at_cell(run.control);
+    const bool waits_for_the_cell = run.control.hold().kind == RunHold::Kind::condition;
+    if (may_continue && waits_for_the_cell && std::exchange(is_resumed, false))
+      co_await take_resume(run);
     if (may_continue) may_continue = run.control.check();
   }
   run.meter.let_go(bench_.clock.now().utc);
   bench_.recorder.lend_pose_instruments(true);
   if (!may_continue) co_return may_continue;
-  // Whoever ended it has said that the robot may move; who accepted a cell file has not, nor has a
-  // cell that is within its limits again, nor anybody where nothing held the run.
+  // Who accepted a cell file has said nothing of motion, nor has a cell that is within its limits
+  // again, nor anybody where nothing held the run.
   const auto on_record = std::exchange(run.record.hold, {}).kind;
   const auto ended = on_record == RunHold::Kind::none ? begun : on_record;  // none: at once
-  if (ended != RunHold::Kind::none && ended != RunHold::Kind::configuration &&
-      ended != RunHold::Kind::condition) {
+  if (is_ended_by_a_person(ended)) {
     may_start_ = true;
+    begins_by_itself_.clear();
     switch_on_ = SwitchOn::yes;
   }
   co_await note_stand(run);

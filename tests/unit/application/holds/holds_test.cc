@@ -130,6 +130,32 @@ TEST_F(Holds, AResumeUnderAnExceededLimitMovesNothing) {
   expect_every_row_once(cell, cell.finish_run());
 }
 
+TEST_F(Holds, AResumeUnderAnExceededLimitAfterALossOfPowerIsNotAskedForAgain) {
+  const auto description = cell_with(folder / "cell.sqlite", HoldAction::finish_point);
+  CellInMemory::Further after_power;
+  {
+    CellInMemory cell{world, description, kSqlite};
+    begin_and_accept(cell, 3);
+    ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run(cell).id)));
+    cell.until([&] { return run(cell).state == RunState::paused; });
+    after_power.begin = cell.now() + std::chrono::minutes(10);
+    after_power.boot_id = "second";
+  }
+  world.referenced = false;
+  world.support_set_degc = 25;
+  const int homes = world.homes, moves = world.moves;
+  CellInMemory cell{world, description, kSqlite, std::move(after_power)};
+  cell.until([&] { return cell.status().run && cell.status().run->phase == "paused"; });
+  cell.pass(3600);
+  ASSERT_TRUE(cell.resume());
+  cell.until([&] { return run(cell).hold.kind == RunHold::Kind::condition; });
+  cell.pass(7200);
+  EXPECT_EQ(world.homes + world.moves, homes + moves);
+  world.support_set_degc = 23;
+  expect_every_row_once(cell, cell.finish_run());
+  EXPECT_EQ(world.homes, homes + 1);
+}
+
 TEST_F(Holds, MarksThePointsMeasuredSinceTheLimitWasExceededFirst) {
   CellInMemory cell{world, cell_with(folder / "cell.sqlite", HoldAction::finish_point, 45),
                     kSqlite};

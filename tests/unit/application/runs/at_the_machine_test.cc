@@ -295,6 +295,28 @@ TEST(EndOfARun, StaysWhereItIsWhenTheRuleSaysSo) {
   EXPECT_NEAR(world.to_mm, -3, 1e-3);
 }
 
+TEST(Weights, ThatAreHungWhileTheRunIsPausedMoveNothing) {
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell(world, small_cell_with_load(folder / "cell.sqlite", false), kSqlite);
+  const auto run = cell.begin_run(kLoaded);
+  const auto waits = [&] { return cell.status().run->phase == "waiting for a person"; };
+  for (const double force_n : {0.0, 2.305}) {  // before the zero, and between two rows
+    cell.until(waits);
+    ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run.id)));
+    const int homes = world.homes, moves = world.moves;
+    ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run.id, force_n)));
+    cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+    cell.pass(600);
+    EXPECT_EQ(world.homes + world.moves, homes + moves) << force_n << " N";
+    ASSERT_TRUE(cell.resume());
+    cell.until([&] { return world.moves > moves; });
+  }
+  cell.until(waits);
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run.id, 0)));
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
 TEST(Weights, ThatStickedAndWereMendedLetTheRunGoOn) {
   Folder folder;
   SmallWorld world;
@@ -411,6 +433,21 @@ TEST_F(AfterAwayTest, AStopCancelsTheAnnouncedMotion) {
   cell.pass(7200);
   EXPECT_EQ(world.homes + world.moves, homes + moves);
   EXPECT_EQ(cell.resume().error().reason, "STOPPED_BY_ANOTHER");
+}
+
+TEST_F(AfterAwayTest, APauseCancelsTheAnnouncedMotion) {
+  description.restart.after_power_loss = AfterAway::go_on;
+  run_is_interrupted();
+  const int homes = world.homes, moves = world.moves;
+  CellInMemory cell(world, description, kSqlite, after("second"));
+  cell.until([&] { return cell.status().run && cell.status().run->phase == "about to move"; });
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run)));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  cell.pass(7200);
+  EXPECT_EQ(world.homes + world.moves, homes + moves);
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_THAT(cell.events_named("run.moves_soon"), SizeIs(1)) << "who resumes has asked for it";
 }
 
 TEST_F(AfterAwayTest, PausedStaysPausedWithWhoPausedIt) {
