@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr double kTryAgain_s = 3600;
+constexpr double kSilent_s = 600;  // a disk that wakes up, or a server that starts anew, is sooner
 constexpr const char* kPattern = "dddddddd-dddddd";  // of the instant in a name
 constexpr std::size_t kInstantLength = 15;
 constexpr const char* kUnfinished = ".part";  // of a copy that has no name yet
@@ -146,15 +147,30 @@ Result<void> Backups::check_room() const {
                           static_cast<double>(space.available) / kBytesPerMegabyte));
 }
 
-Backups::OnDisk Backups::on_disk_of_database() const {
-  OnDisk found;
+bool Backups::is_beside_database() {
   struct stat of_folder {
   }, of_database{};
-  if (::stat(database_.c_str(), &of_database) != 0) return found;
+  if (::stat(database_.c_str(), &of_database) != 0) return false;
   const bool is_made = ::stat(folder().c_str(), &of_folder) == 0;
   // A folder that is not made yet is beside the database, or where its parent is.
-  if (!is_made && ::stat(fs::path(folder()).parent_path().c_str(), &of_folder) != 0) return found;
-  if (of_folder.st_dev != of_database.st_dev) return found;
+  if (!is_made && ::stat(fs::path(folder()).parent_path().c_str(), &of_folder) != 0) return false;
+  return of_folder.st_dev == of_database.st_dev;
+}
+
+Awaitable<void> Backups::look_at_folder() {
+  const auto found = co_await reader_.call([this](Store&) -> Result<bool> {
+    looking_since_ns_ = clock_.now().utc.utc_ns;
+    const bool is_beside = is_beside_database();
+    looking_since_ns_ = 0;
+    return is_beside;
+  });
+  if (found) beside_database_ = *found;
+}
+
+std::optional<Backups::OnDisk> Backups::on_disk_of_database() const {
+  if (!beside_database_) return std::nullopt;
+  OnDisk found;
+  if (!*beside_database_) return found;
   if (rules_.every_h > 0)
     found.to_come = {kept_count(rules_) + 1 - std::min(present_, kept_count(rules_)),
                      rules_.every_h};
@@ -260,8 +276,16 @@ Awaitable<void> Backups::make_if_due() {
 }
 
 std::vector<AlarmCondition> Backups::conditions() const {
-  if (failed_.empty()) return {};
-  return {{AlarmLevel::warning, "backup.failed", "database", failed_}};
+  std::string told = failed_;
+  const CellTime since{looking_since_ns_.load()};
+  if (const double silent_s = seconds_from(clock_.now().utc - since);
+      since.utc_ns != 0 && silent_s > kSilent_s)
+    told = fmt::format(
+        "the folder of backups, {}, has not answered for {:.0f} min: no backup is made until it "
+        "does; look at the disk or the server that it is on",
+        folder(), silent_s / 60);
+  if (told.empty()) return {};
+  return {{AlarmLevel::warning, "backup.failed", "database", std::move(told)}};
 }
 
 }  // namespace driftwise::application

@@ -9,9 +9,11 @@
 //
 // Executor's thread; the folder is read and written on the thread of the database's checks.
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,14 +38,17 @@ class Backups {
   Awaitable<Result<RecordCopy>> make(const Caller* by);
   // By the schedule, where one is due; called every now and then.
   Awaitable<void> make_if_due();
+  // Also of a folder that does not answer, as of a server that is gone.
   std::vector<AlarmCondition> conditions() const;
-  // Bytes of its folder and what the schedule will still put there; nothing where the folder is on
-  // another disk than the database.
+  // Is the folder on the database's disk? Every now and then.
+  Awaitable<void> look_at_folder();
+  // Bytes of its folder and what the schedule will still put there; nothing where the folder was on
+  // another disk than the database. None: not known yet.
   struct OnDisk {
     std::int64_t bytes = 0;
     CopiesToCome to_come;
   };
-  OnDisk on_disk_of_database() const;
+  std::optional<OnDisk> on_disk_of_database() const;
   // What a copy that was killed left in the folder goes; called once, before the first look.
   Awaitable<void> remove_unfinished();
 
@@ -58,6 +63,7 @@ class Backups {
   void remove_parts(Store& store, const std::string& identity);
   bool is_own(Store& store, const std::string& path, const std::string& identity);
 
+  bool is_beside_database();
   Result<void> check_room() const;
   std::string folder() const;
   std::string stem() const;
@@ -71,6 +77,11 @@ class Backups {
   std::function<bool()> gives_way_;
   std::map<std::string, std::string> identities_;  // of copies without it in their name, by path
   bool under_way_ = false;
+  // The folder is on the database's disk: only then is it safe to read it on the executor, for a
+  // folder elsewhere may be a server's that does not answer. None: nobody has looked.
+  std::optional<bool> beside_database_;
+  // When the look that has not come back began; 0: none is under way. Set on the reader's thread.
+  std::atomic<std::int64_t> looking_since_ns_ = 0;
   std::size_t present_ = 0;  // copies by the last look at the schedule
   CellTime next_try_;
   std::string failed_;  // why the last one by the schedule was not made

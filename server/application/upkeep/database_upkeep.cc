@@ -77,8 +77,11 @@ Awaitable<void> DatabaseUpkeep::watch() {
 
 Awaitable<void> DatabaseUpkeep::keep_backups() {
   constexpr double kLookAtSchedule_s = 60;
+  co_await backups_.look_at_folder();
+  measure();  // the forecast begins when the folder is known
   co_await backups_.remove_unfinished();
   while (!ending_) {
+    co_await backups_.look_at_folder();
     co_await backups_.make_if_due();
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(kLookAtSchedule_s), ended_);
   }
@@ -101,10 +104,10 @@ void DatabaseUpkeep::measure() {
   const auto now = clock_.now().utc;
   disk_free_gb_ = static_cast<double>(space.available) / 1e9;
   disk_looked_at_ = now;
-  const auto on_disk = backups_.on_disk_of_database();
-  forecast_.take({now, static_cast<std::int64_t>(bytes) + log_bytes(),
-                  static_cast<std::int64_t>(space.available), on_disk.bytes},
-                 on_disk.to_come);
+  if (const auto on_disk = backups_.on_disk_of_database())
+    forecast_.take({now, static_cast<std::int64_t>(bytes) + log_bytes(),
+                    static_cast<std::int64_t>(space.available), on_disk->bytes},
+                   on_disk->to_come);
 }
 
 std::optional<double> DatabaseUpkeep::disk_free_gb() const {
