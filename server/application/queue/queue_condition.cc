@@ -47,8 +47,8 @@ std::optional<double> span_of(std::string_view count, std::string_view unit) {
 
 tl::unexpected<Error> bad_condition(std::string_view text, const std::string& what) {
   return fail(ErrorCode::invalid_argument, reasons::kBadCondition,
-              fmt::format("condition: found {}: {}; expected 't12 < 20.5 degC for 30 min', 't12 > "
-                          "20.5 degC' or 't12 coldest within 0.1 degC'",
+              fmt::format("condition: found {}: {}; expected 'CHANNEL < 20.5 degC for 30 min', "
+                          "'CHANNEL > 20.5 degC' or 'CHANNEL coldest within 0.1 degC'",
                           shown(text), what));
 }
 

@@ -26,10 +26,9 @@ bool is_passing(const Error& error) {
          std::ranges::find(passing, error.reason) != std::end(passing);
 }
 
-// The name is known by the entry: how its author was proved stands in the audit of queue.added.
-Caller in_the_name_of(const QueueEntry& entry) {
-  std::string by_entry = fmt::format("queue entry {}", entry.id.value);
-  return {entry.created_by, by_entry, by_entry};
+// Draws on another thread: the history stays as it is for whoever holds it.
+Outlook drawn_from(const std::shared_ptr<const DurationHistory>& history, const RunAhead& ahead) {
+  return look_ahead(*history, ahead);
 }
 
 }  // namespace
@@ -87,6 +86,12 @@ std::int64_t QueueDesk::last_place() const {
   return last;
 }
 
+// The name is known by the entry: how its author was proved stands in the audit of queue.added.
+Caller QueueDesk::in_the_name_of(const QueueEntry& entry) {
+  std::string by_entry = fmt::format("queue entry {}", entry.id.value);
+  return {entry.created_by, by_entry, by_entry};
+}
+
 Awaitable<Result<void>> QueueDesk::change(QueueChange change) {
   const auto stops_before = stops_;
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await parts_.writer.queue().change_queue(change));
@@ -141,39 +146,55 @@ std::string QueueDesk::waits_for(QueueEntryId id) const {
   return found == all.end() ? std::string() : found->second;
 }
 
-std::map<QueueEntryId, EntryOutlook> QueueDesk::outlooks() const {
+std::map<QueueEntryId, EntryOutlook> QueueDesk::outlooks(std::optional<QueueEntryId> only) const {
   QueueAhead ahead;
   ahead.entries = &record_.entries;
   ahead.held = record_.hold.held;
   ahead.stands = parts_.engine.stands();
   ahead.now = parts_.clock.now().utc;
   ahead.cell_time = [this](UtcTime utc) { return parts_.clock.cell_time(utc); };
-  ahead.plans = plans_;
+  ahead.lengths = &lengths_;
   ahead.under_way = parts_.engine.outlook(ahead.now);
-  ahead.rules = parts_.description.run;
-  auto all = look_ahead(*parts_.durations.history(), ahead);
-  for (auto& [id, outlook] : all) {
-    outlook.run.draws_s.clear();
-    if (outlook.end) outlook.end->draws_s.clear();
-  }
-  return all;
+  ahead.only = only;
+  return look_ahead(ahead);
 }
 
-// The length of each entry that waits, from its trajectory.
+// What the length of each entry that waits is drawn from, from its trajectory.
 Awaitable<void> QueueDesk::read_plans() {
-  std::erase_if(plans_, [this](const auto& plan) {
-    const auto* entry = find_entry(record_.entries, plan.first);
+  std::erase_if(lengths_, [this](const auto& length) {
+    const auto* entry = find_entry(record_.entries, length.first);
     return !entry || entry->state != QueueState::waiting;
   });
   std::vector<std::pair<QueueEntryId, std::string>> missing;
   for (const auto& entry : record_.entries)
-    if (entry.state == QueueState::waiting && !plans_.contains(entry.id))
+    if (entry.state == QueueState::waiting && !lengths_.contains(entry.id))
       missing.emplace_back(entry.id, entry.trajectory_text);
   for (auto& [id, text] : missing) {
     const auto trajectory = co_await run_on(parts_.background, formats::read_trajectory_csv,
                                             std::move(text), std::string("trajectory"));
-    plans_[id] = trajectory ? PlanLength(*trajectory).ahead({}) : PlanAhead{};
+    const auto plan = trajectory ? PlanLength(*trajectory).ahead({}) : PlanAhead{};
+    if (const auto* entry = find_entry(record_.entries, id))
+      lengths_[id].ahead = run_ahead(*entry, plan, parts_.description.run);
   }
+}
+
+// Draws of each entry that waits: of one that is new, and of all once a run has ended. A list and a
+// start do not wait for them: until they are there, those of the history before count.
+Awaitable<void> QueueDesk::draw_lengths() {
+  while (!ending_) {
+    const auto history = parts_.durations.history();
+    const auto due = std::ranges::find_if(
+        lengths_, [&history](const auto& length) { return length.second.history != history; });
+    if (due == lengths_.end()) break;
+    const auto id = due->first;
+    const auto ahead = due->second.ahead;
+    auto run = co_await run_on(parts_.background, drawn_from, history, ahead);
+    const auto drawn = lengths_.find(id);
+    if (drawn == lengths_.end()) continue;
+    drawn->second.history = history;
+    drawn->second.run = std::move(run);
+  }
+  drawing_ = false;
 }
 
 Awaitable<void> QueueDesk::look_for_ever() {
@@ -205,6 +226,7 @@ Awaitable<void> QueueDesk::look() {
     }
   }
   co_await read_plans();
+  if (!std::exchange(drawing_, true)) parts_.tasks.spawn(draw_lengths());
   std::vector<std::pair<QueueEntryId, std::string>> conditions;
   for (const auto* entry : waiting_in_order(record_.entries))
     if (!entry->condition.empty()) conditions.emplace_back(entry->id, entry->condition);
@@ -365,126 +387,6 @@ void QueueDesk::add_repeat(const QueueEntry& entry, QueueChange& change) const {
   next.begun = next.ended = {};
   next.results.clear();
   change.put.push_back(std::move(next));
-}
-
-Awaitable<void> QueueDesk::follow(QueueEntryId id) {
-  while (!ending_) {
-    const auto* entry = find_entry(record_.entries, id);
-    if (!entry || entry->state != QueueState::following) break;
-    const auto position = static_cast<int>(entry->results.size());
-    QueueEntry copy = *entry;
-    QueueResult result;
-    const bool is_last = position + 1 >= static_cast<int>(copy.follow_ups.size());
-    auto making = make(copy, position);
-    result = co_await std::move(making);
-    if (ending_) break;  // made again after the start
-    result.position = position;
-    result.at = parts_.clock.now().utc;
-    const auto lock = co_await changing_.lock();
-    entry = find_entry(record_.entries, id);
-    if (!entry) break;
-    copy = *entry;
-    copy.results.push_back(result);
-    if (is_last) copy.state = QueueState::done;
-    const auto text = entry_text(copy);
-    QueueChange made;
-    made.put.push_back(std::move(copy));
-    auto changing = change(std::move(made));
-    if (!co_await std::move(changing)) {  // tried again at the next look
-      following_ = false;
-      co_return;
-    }
-    parts_.events.record_own(result.good ? "queue.followed" : "queue.follow_up_failed",
-                             fmt::format("{}: {}", text, result.text), entry->run);
-    if (!result.good)
-      parts_.alarm({AlarmLevel::warning, "queue.follow_up_failed",
-                    fmt::format("queue entry {}", id.value),
-                    fmt::format("{}: {}; its run stays", text, result.text)});
-  }
-  following_ = false;
-  woken_ = true;
-  wake_.raise();
-}
-
-Awaitable<QueueResult> QueueDesk::make(const QueueEntry& entry, int position) {
-  const auto& wish = entry.follow_ups[static_cast<std::size_t>(position)];
-  const auto what = parse_follow_up(wish);
-  if (!what) co_return QueueResult{.good = false, .text = what.error().message};
-  if (what->kind == FollowUp::Kind::fit) {
-    auto making = fit(entry, what->formula);
-    co_return co_await std::move(making);
-  }
-  if (what->kind == FollowUp::Kind::diagnose) {
-    auto making = diagnose(entry, what->formula);
-    co_return co_await std::move(making);
-  }
-  if (what->kind == FollowUp::Kind::report) {
-    auto making = report(entry);
-    co_return co_await std::move(making);
-  }
-  auto looking = parts_.runs.get(*entry.run);
-  const auto run = co_await std::move(looking);
-  auto sentence = fmt::format("queue {} is done", entry_text(entry));
-  if (run)
-    sentence +=
-        fmt::format(": {} of {} rows accepted in run {}", run->accepted, run->rows, run->id.value);
-  for (const auto& result : entry.results) sentence += "; " + result.text;
-  parts_.alarm({AlarmLevel::notice, "queue.done", fmt::format("queue entry {}", entry.id.value),
-                std::move(sentence)});
-  co_return QueueResult{.text = "people were notified"};
-}
-
-Awaitable<QueueResult> QueueDesk::report(const QueueEntry& entry) {
-  auto making = parts_.reports.page(*entry.run);
-  auto page = co_await std::move(making);
-  if (!page) co_return QueueResult{.good = false, .text = page.error().message};
-  const auto path = report_path(parts_.description.database, entry.id, *entry.run);
-  const auto written = co_await run_on(parts_.background, write_report, path, std::move(*page));
-  if (!written) co_return QueueResult{.good = false, .text = written.error().message};
-  co_return QueueResult{.text = fmt::format("the report {} was written ('driftwise queue report "
-                                            "{}' makes it anew)",
-                                            path, entry.id.value)};
-}
-
-Awaitable<QueueResult> QueueDesk::fit(const QueueEntry& entry, std::string formula) {
-  FitRequest wanted;
-  wanted.runs = {*entry.run};
-  wanted.formula = std::move(formula);
-  wanted.name = entry.name;
-  wanted.note = fmt::format("made by queue {}", entry_text(entry));
-  auto fitting = parts_.models.fit(in_the_name_of(entry), std::move(wanted));
-  const auto model = co_await std::move(fitting);
-  if (!model)
-    co_return QueueResult{.good = false, .text = "the fit failed: " + model.error().message};
-  co_return QueueResult{.text = fmt::format("model {} was fitted", model->id.value),
-                        .model = model->id};
-}
-
-Awaitable<QueueResult> QueueDesk::diagnose(const QueueEntry& entry, std::string baseline) {
-  DiagnosisRequest wanted;
-  wanted.runs = {*entry.run};
-  wanted.baseline = std::move(baseline);
-  wanted.name = entry.name;
-  auto creating = parts_.diagnoses.create(in_the_name_of(entry), std::move(wanted));
-  auto found = co_await std::move(creating);
-  while (found && found->record.state == JobState::running && !ending_) {
-    co_await sleep_unless(parts_.clock, parts_.clock.now().utc + nanoseconds_from_s(kLookEvery_s),
-                          wake_);
-    auto looking = parts_.diagnoses.get(found->record.id);
-    found = co_await std::move(looking);
-  }
-  if (!found)
-    co_return QueueResult{.good = false, .text = "the diagnosis failed: " + found.error().message};
-  const auto id = found->record.id;
-  if (found->record.state != JobState::done)
-    co_return QueueResult{.good = false,
-                          .text = fmt::format("diagnosis {} {}: {}", id.value,
-                                              is_text(found->record.state), found->record.reason),
-                          .diagnosis = id};
-  co_return QueueResult{
-      .text = fmt::format("diagnosis {} is done: {} findings", id.value,
-                          found->found ? found->found->findings.size() : std::size_t{0}),
-      .diagnosis = id};
 }
 
 }  // namespace driftwise::application

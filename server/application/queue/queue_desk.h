@@ -81,22 +81,32 @@ class QueueDesk {
   // Why each entry waits, by what was known at the last look; one that does not wait: none, empty.
   std::map<QueueEntryId, std::string> waits() const;
   std::string waits_for(QueueEntryId id) const;
-  // By what runs of this cell took; draws left out.
-  std::map<QueueEntryId, EntryOutlook> outlooks() const;
+  // By what runs of this cell took. only: those behind this entry are left out.
+  std::map<QueueEntryId, EntryOutlook> outlooks(std::optional<QueueEntryId> only = {}) const;
 
  private:
+  // A follow-up that was made.
+  struct Made {
+    QueueResult result;
+    std::optional<AlarmCondition> alarm;  // raised once the result is on record
+  };
+
   Awaitable<void> look_for_ever();
   Awaitable<void> look();
   Awaitable<void> read_plans();
+  Awaitable<void> draw_lengths();
   Awaitable<void> settle(QueueEntry entry);
   Awaitable<void> put_back(QueueEntry entry, std::string why, bool by_person);
   Awaitable<void> begin(QueueEntry entry, bool asked_for);
   Awaitable<void> follow(QueueEntryId id);
-  Awaitable<QueueResult> make(const QueueEntry& entry, int position);
+  Awaitable<Result<void>> store(QueueEntryId id, Made made);
+  Awaitable<Made> make(const QueueEntry& entry, int position);
+  Awaitable<Made> notice(const QueueEntry& entry);
   Awaitable<QueueResult> fit(const QueueEntry& entry, std::string formula);
   Awaitable<QueueResult> diagnose(const QueueEntry& entry, std::string baseline);
   Awaitable<QueueResult> report(const QueueEntry& entry);
   Awaitable<Result<ConditionVerdict>> look_at(std::string text);
+  static Caller in_the_name_of(const QueueEntry& entry);
   void hold_by_stop();
   void add_repeat(const QueueEntry& entry, QueueChange& change) const;
   QueueSituation situation() const;
@@ -110,10 +120,11 @@ class QueueDesk {
   QueueHold last_stop_;     // since the start
   std::int64_t stops_ = 0;  // likewise
   std::map<QueueEntryId, ConditionVerdict> conditions_;
-  std::map<QueueEntryId, PlanAhead> plans_;      // of entries that wait
+  std::map<QueueEntryId, EntryLength> lengths_;  // of entries that wait
   std::map<QueueEntryId, std::string> refused_;  // why a start was put off
+  std::map<QueueEntryId, Made> made_;            // follow-ups whose result is not on record yet
   std::shared_ptr<void> run_watch_;
-  bool asked_ = false, woken_ = false, following_ = false, ending_ = false;
+  bool asked_ = false, woken_ = false, following_ = false, drawing_ = false, ending_ = false;
 };
 
 }  // namespace driftwise::application

@@ -14,31 +14,40 @@ RunRules rules_of(const QueueEntry& entry, const RunRules& cell_rules) {
   return plan ? plan->rules : cell_rules;
 }
 
+Outlook without_draws(const Outlook& outlook) {
+  return {outlook.expected_s, outlook.low_s, outlook.high_s, outlook.runs, outlook.rows, {}};
+}
+
 }  // namespace
 
-std::map<QueueEntryId, EntryOutlook> look_ahead(const DurationHistory& history,
-                                                const QueueAhead& queue) {
+RunAhead run_ahead(const QueueEntry& entry, const PlanAhead& plan, const RunRules& cell_rules) {
+  RunAhead ahead;
+  ahead.plan = plan;
+  ahead.unit_s = planned_visit_s(rules_of(entry, cell_rules));
+  ahead.seed = static_cast<std::uint64_t>(entry.id.value);
+  return ahead;
+}
+
+std::map<QueueEntryId, EntryOutlook> look_ahead(const QueueAhead& queue) {
   std::map<QueueEntryId, EntryOutlook> all;
   std::vector<double> until_s;  // from now, of the one before, draw by draw
   bool known = !queue.held && !queue.stands;
   for (const auto& entry : *queue.entries) {
     if (entry.state != QueueState::running || !queue.under_way) continue;
-    until_s = queue.under_way->draws_s;
-    all[entry.id] = {*queue.under_way, queue.stands ? std::nullopt : queue.under_way};
+    const auto outlook = without_draws(*queue.under_way);
+    all[entry.id] = {outlook, queue.stands ? std::nullopt : std::optional(outlook)};
   }
   // A run that nobody put into the queue goes first all the same.
-  if (until_s.empty() && queue.under_way) until_s = queue.under_way->draws_s;
+  if (queue.under_way) until_s = queue.under_way->draws_s;
   for (const auto* entry : waiting_in_order(*queue.entries)) {
-    const auto plan = queue.plans.find(entry->id);
-    if (plan == queue.plans.end()) {
+    if (queue.only && all.contains(*queue.only)) break;
+    const auto length = queue.lengths->find(entry->id);
+    if (length == queue.lengths->end() || !length->second.history) {
       known = false;
       continue;
     }
-    RunAhead ahead;
-    ahead.plan = plan->second;
-    ahead.unit_s = planned_visit_s(rules_of(*entry, queue.rules));
-    ahead.seed = static_cast<std::uint64_t>(entry->id.value);
-    EntryOutlook outlook{look_ahead(history, ahead), {}};
+    const Outlook& run = length->second.run;
+    EntryOutlook outlook{without_draws(run), {}};
     const auto* before = entry->after ? find_entry(*queue.entries, *entry->after) : nullptr;
     const bool may_come =
         !entry->after || (before && (before->accepted() || all.contains(before->id)));
@@ -47,13 +56,15 @@ std::map<QueueEntryId, EntryOutlook> look_ahead(const DurationHistory& history,
       const double not_before_s =
           entry->not_before.ns == 0 ? 0
                                     : seconds_from(queue.cell_time(entry->not_before) - queue.now);
-      auto& draws_s = outlook.run.draws_s;
-      until_s.resize(draws_s.size(), until_s.empty() ? 0 : until_s.back());
-      for (std::size_t i = 0; i < draws_s.size(); ++i)
-        until_s[i] = std::max(until_s[i], not_before_s) + draws_s[i];
-      outlook.end = outlook.run;
-      outlook.end->draws_s = until_s;
-      take_figures(*outlook.end);
+      until_s.resize(run.draws_s.size(), until_s.empty() ? 0 : until_s.back());
+      for (std::size_t i = 0; i < until_s.size(); ++i)
+        until_s[i] = std::max(until_s[i], not_before_s) + run.draws_s[i];
+      if (!queue.only || *queue.only == entry->id) {
+        Outlook end = outlook.run;
+        end.draws_s = until_s;
+        take_figures(end);
+        outlook.end = without_draws(end);
+      }
     }
     all[entry->id] = std::move(outlook);
   }

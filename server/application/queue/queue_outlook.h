@@ -1,9 +1,11 @@
 #pragma once
-// Duration and end of each entry's run in the queue: bands, drawn together from the entry under
-// way to the last. Pure.
+// Duration and end of each entry's run in the queue: bands, added up from the entry under way to
+// the last. Pure. The draws of each entry's own run cost milliseconds: they are made elsewhere and
+// kept (QueueDesk::draw_lengths), so that a list only adds them up.
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -13,6 +15,14 @@
 
 namespace driftwise::application {
 
+// An entry's own run, whatever is before it.
+struct EntryLength {
+  RunAhead ahead;
+  std::shared_ptr<const DurationHistory> history;  // that run was drawn from; none: not drawn yet
+  Outlook run;                                     // with its draws
+};
+
+// Without draws.
 struct EntryOutlook {
   Outlook run;                 // from its start to its end; of a run under way: what is ahead
   std::optional<Outlook> end;  // from now; none: it, or one before it, waits for more than its turn
@@ -24,12 +34,16 @@ struct QueueAhead {
   bool stands = false;  // the run under way does
   CellTime now;
   std::function<CellTime(UtcTime)> cell_time;
-  std::map<QueueEntryId, PlanAhead> plans;  // of entries whose trajectory was read
-  std::optional<Outlook> under_way;         // of the run under way, with its draws
-  RunRules rules;                           // the cell's
+  const std::map<QueueEntryId, EntryLength>* lengths = nullptr;  // of trajectories that were read
+  std::optional<Outlook> under_way;  // of the run under way, with its draws
+  std::optional<QueueEntryId> only;  // the one that is asked about; none: all of them
 };
 
-std::map<QueueEntryId, EntryOutlook> look_ahead(const DurationHistory& history,
-                                                const QueueAhead& queue);
+// The length of an entry is drawn from this and the history of the cell.
+RunAhead run_ahead(const QueueEntry& entry, const PlanAhead& plan, const RunRules& cell_rules);
+
+// An entry without draws has no outlook, and those behind it have no end. Those before the one that
+// is asked about may be there too, with a duration only.
+std::map<QueueEntryId, EntryOutlook> look_ahead(const QueueAhead& queue);
 
 }  // namespace driftwise::application

@@ -275,7 +275,7 @@ QueueView QueueService::list() const {
 Result<QueueLine> QueueService::get(QueueEntryId id) const {
   const auto* entry = find_entry(desk_.entries(), id);
   if (!entry) return no_such_entry(id);
-  auto outlooks = desk_.outlooks();
+  auto outlooks = desk_.outlooks(id);
   const auto outlook = outlooks.find(id);
   return QueueLine{
       *entry, desk_.waits_for(id),

@@ -34,6 +34,9 @@ inline CellDescription with_pressure(CellDescription cell) {
 
 class QueueTest : public testing::Test {
  protected:
+  explicit QueueTest(OpenStore open_store = kSqlite)
+      : cell(world, with_pressure(small_cell(folder / "cell.sqlite")), std::move(open_store)) {}
+
   QueueLine add(QueueDraft d) {
     auto line = cell.await(cell->queue.add(cell.ada, std::move(d)));
     if (!line) throw std::runtime_error(line.error().message);
@@ -69,7 +72,7 @@ class QueueTest : public testing::Test {
 
   Folder folder;
   SmallWorld world;
-  CellInMemory cell{world, with_pressure(small_cell(folder / "cell.sqlite")), kSqlite};
+  CellInMemory cell;
 };
 
 }  // namespace driftwise::tests

@@ -188,34 +188,83 @@ TEST(Outlook, OfAWaitUnderWayKeepsWhatIsAhead) {
   EXPECT_GT(look_ahead(history, ahead).low_s, 400);
 }
 
-TEST(QueueOutlook, AddsUpWhatIsBeforeAndStopsAtACondition) {
-  DurationHistory history;
-  for (int run = 0; run < 10; ++run) history.add(steady_run(200, 1));
-  std::vector<QueueEntry> entries(3);
-  for (int i = 0; i < 3; ++i) {
-    entries[static_cast<std::size_t>(i)].id = QueueEntryId{i + 1};
-    entries[static_cast<std::size_t>(i)].place = i;
+// Three entries that wait, drawn from ten steady runs.
+struct WaitingThree {
+  WaitingThree() {
+    auto runs = std::make_shared<DurationHistory>();
+    for (int run = 0; run < 10; ++run) runs->add(steady_run(200, 1));
+    history = std::move(runs);
+    for (int i = 0; i < 3; ++i) {
+      entries[static_cast<std::size_t>(i)].id = QueueEntryId{i + 1};
+      entries[static_cast<std::size_t>(i)].place = i;
+    }
+    queue.entries = &entries;
+    queue.cell_time = [](UtcTime utc) { return CellTime{utc.ns}; };
+    queue.lengths = &lengths;
+    draw();
   }
+  WaitingThree(const WaitingThree&) = delete;
+  void draw() {
+    for (const auto& entry : entries) {
+      auto& length = lengths[entry.id];
+      length.ahead = run_ahead(entry, {100, 0}, rules);
+      length.history = history;
+      length.run = look_ahead(*history, length.ahead);
+    }
+  }
+  double run_s(int id) const { return look_ahead(queue).at(QueueEntryId{id}).run.expected_s; }
+
+  std::shared_ptr<const DurationHistory> history;
+  std::vector<QueueEntry> entries{3};
+  std::map<QueueEntryId, EntryLength> lengths;
+  RunRules rules;
   QueueAhead queue;
-  queue.entries = &entries;
-  queue.cell_time = [](UtcTime utc) { return CellTime{utc.ns}; };
-  for (int i = 1; i <= 3; ++i) queue.plans[QueueEntryId{i}] = {100, 0};
-  entries[1].not_before = UtcTime{nanoseconds_from_s(36'000).count()};
-  entries[2].condition = "t01_degC < 20 degC";
-  const double run_s = 100 * planned_visit_s(queue.rules) + 65;
-  const auto all = look_ahead(history, queue);
+};
+
+TEST(QueueOutlook, AddsUpWhatIsBeforeAndStopsAtACondition) {
+  WaitingThree three;
+  three.entries[1].not_before = UtcTime{nanoseconds_from_s(36'000).count()};
+  three.entries[2].condition = "t01_degC < 20 degC";
+  const double run_s = 100 * planned_visit_s(three.rules) + 65;
+  const auto all = look_ahead(three.queue);
   EXPECT_NEAR(all.at(QueueEntryId{1}).end->expected_s, run_s, 0.05 * run_s);
   EXPECT_NEAR(all.at(QueueEntryId{2}).end->expected_s, 36'000 + run_s, 0.05 * run_s);
   EXPECT_FALSE(all.at(QueueEntryId{3}).end);
-  // A set-up alone states no rules.
-  queue.rules.settle_s += 60;
-  const double by_the_cell_s = look_ahead(history, queue).at(QueueEntryId{1}).run.expected_s;
-  entries[0].rules_json = R"({"setup":"height"})";
-  EXPECT_EQ(look_ahead(history, queue).at(QueueEntryId{1}).run.expected_s, by_the_cell_s);
-  EXPECT_GT(by_the_cell_s, run_s);
   EXPECT_NEAR(all.at(QueueEntryId{3}).run.expected_s, run_s, 0.05 * run_s);
-  queue.held = true;
-  EXPECT_FALSE(look_ahead(history, queue).at(QueueEntryId{1}).end);
+  // A set-up alone states no rules.
+  three.rules.settle_s += 60;
+  three.draw();
+  const double by_the_cell_s = three.run_s(1);
+  three.entries[0].rules_json = R"({"setup":"height"})";
+  three.draw();
+  EXPECT_EQ(three.run_s(1), by_the_cell_s);
+  EXPECT_GT(by_the_cell_s, run_s);
+  three.queue.held = true;
+  EXPECT_FALSE(look_ahead(three.queue).at(QueueEntryId{1}).end);
+}
+
+TEST(QueueOutlook, IsTheSumOfTheDrawsThatAreKept) {
+  WaitingThree three;
+  for (auto& [id, length] : three.lengths) length.run.draws_s.assign(500, 100);
+  auto all = look_ahead(three.queue);
+  EXPECT_DOUBLE_EQ(all.at(QueueEntryId{3}).end->expected_s, 300);
+  EXPECT_TRUE(all.at(QueueEntryId{3}).end->draws_s.empty());
+  // One without draws: it has no outlook, and those behind it have no end.
+  three.lengths[QueueEntryId{2}].history.reset();
+  all = look_ahead(three.queue);
+  EXPECT_DOUBLE_EQ(all.at(QueueEntryId{1}).end->expected_s, 100);
+  EXPECT_FALSE(all.contains(QueueEntryId{2}));
+  EXPECT_FALSE(all.at(QueueEntryId{3}).end);
+}
+
+TEST(QueueOutlook, OfOneEntryIsThatOfTheListAndLooksAtNoneBehindIt) {
+  WaitingThree three;
+  const auto all = look_ahead(three.queue);
+  three.queue.only = QueueEntryId{2};
+  const auto one = look_ahead(three.queue);
+  EXPECT_EQ(one.at(QueueEntryId{2}).end->expected_s, all.at(QueueEntryId{2}).end->expected_s);
+  EXPECT_EQ(one.at(QueueEntryId{2}).end->high_s, all.at(QueueEntryId{2}).end->high_s);
+  EXPECT_FALSE(one.contains(QueueEntryId{3}));
 }
 
 }  // namespace
