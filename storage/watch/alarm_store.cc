@@ -119,8 +119,10 @@ Result<AlarmRecord> SqliteAlarmStore::acknowledge(AlarmId id, CellTime at, const
 Result<std::vector<AlarmRecord>> SqliteAlarmStore::alarms(bool with_history, int limit) {
   return session_.read([&] {
     Query all(session_.db, DRIFTWISE_SELECT_ALARM " ORDER BY alarm_id DESC LIMIT ?");
-    Query standing(session_.db, DRIFTWISE_SELECT_ALARM
-                   " WHERE cleared_ns = 0 OR acknowledged_ns = 0 ORDER BY alarm_id DESC LIMIT ?");
+    // Alarms that hold are cut off last; the list is newest first all the same.
+    Query standing(session_.db, "SELECT * FROM (" DRIFTWISE_SELECT_ALARM
+                                " WHERE cleared_ns = 0 OR acknowledged_ns = 0 ORDER BY cleared_ns "
+                                "<> 0, alarm_id DESC LIMIT ?) ORDER BY alarm_id DESC");
     Query& query = with_history ? all : standing;
     query.bind(limit > 0 ? limit : -1);
     std::vector<AlarmRecord> alarms;

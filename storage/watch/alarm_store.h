@@ -21,6 +21,7 @@ class SqliteAlarmStore final : public AlarmStore {
                            const std::vector<std::string>& consequences) override;
   Result<AlarmRecord> clear(AlarmId id, CellTime at) override;
   Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) override;
+  // Alarms that hold are left out last where there are more than the limit, without history.
   Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) override;
   Result<AlarmRecord> shelve(AlarmId id, const AlarmShelf& shelf) override;
   Result<AlarmRecord> unshelve(AlarmId id, CellTime at) override;

@@ -14,7 +14,8 @@ class Alarms {
  public:
   virtual ~Alarms() = default;
 
-  // Newest first. Without history: those that still hold or nobody has acknowledged.
+  // Newest first. Without history: those that still hold or nobody has acknowledged. Beyond the
+  // limit the oldest are left out; without history those that are over before those that hold.
   virtual Awaitable<Result<std::vector<AlarmRecord>>> list(bool with_history, int limit) = 0;
   // Errors: not_found NO_SUCH_ALARM.
   virtual Awaitable<Result<AlarmRecord>> acknowledge(Caller caller, AlarmId id) = 0;

@@ -17,6 +17,23 @@ namespace {
 
 constexpr const char* kUnwritten = "record.unwritten";
 
+// At most as many, in their order, newest first. what_is_over_goes_first: before what holds.
+void leave_newest(std::vector<AlarmRecord>& alarms, std::size_t most,
+                  bool what_is_over_goes_first) {
+  const auto holds = [](const AlarmRecord& alarm) { return alarm.cleared.utc_ns == 0; };
+  if (what_is_over_goes_first && alarms.size() > most) {
+    const auto holding = static_cast<std::size_t>(std::ranges::count_if(alarms, holds));
+    std::size_t room = most - std::min(most, holding);
+    std::erase_if(alarms, [&](const AlarmRecord& alarm) {
+      if (holds(alarm)) return false;
+      if (room == 0) return true;
+      --room;
+      return false;
+    });
+  }
+  if (alarms.size() > most) alarms.resize(most);
+}
+
 }  // namespace
 
 AlarmsService::AlarmsService(asio::any_io_executor executor, Sources sources, StoreReader& reader,
@@ -79,8 +96,7 @@ Awaitable<Result<std::vector<AlarmRecord>>> AlarmsService::list(bool with_histor
       return alarm.cleared.utc_ns != 0 && alarm.acknowledged.utc_ns != 0;
     });
   for (auto& alarm : unstored) alarms->insert(alarms->begin(), std::move(alarm));
-  if (alarms->size() > static_cast<std::size_t>(std::max(limit, 0)))
-    alarms->resize(static_cast<std::size_t>(std::max(limit, 0)));
+  leave_newest(*alarms, static_cast<std::size_t>(std::max(limit, 0)), !with_history);
   co_return alarms;
 }
 

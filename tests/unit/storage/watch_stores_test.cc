@@ -127,6 +127,30 @@ TEST_F(WatchStoresTest, AnAlarmIsOverOnlyWhenItIsClearedAndAcknowledged) {
   EXPECT_EQ(store->alarms().clear({99}, at_s(3).utc).error().reason, "NO_SUCH_ALARM");
 }
 
+TEST_F(WatchStoresTest, AnAlarmThatHoldsStandsInTheListHoweverManyNewerOnesAreOver) {
+  const auto raise = [&](const std::string& kind, CellTime cleared) {
+    AlarmRecord alarm;
+    alarm.kind = kind;
+    alarm.subject = "s";
+    alarm.message = "m";
+    alarm.since = at_s(1).utc;
+    alarm.cleared = cleared;
+    return store->alarms().raise(alarm).value().id;
+  };
+  const auto holds = raise("device.lost", {});
+  std::vector<AlarmId> over;
+  for (int i = 0; i < 5; ++i) over.push_back(raise("run.failed", at_s(1).utc));
+  const auto ids = [&](bool with_history, int limit) {
+    std::vector<AlarmId> found;
+    for (const auto& alarm : store->alarms().alarms(with_history, limit).value())
+      found.push_back(alarm.id);
+    return found;
+  };
+  EXPECT_EQ(ids(false, 3), (std::vector{over[4], over[3], holds})) << "newest first";
+  EXPECT_EQ(ids(false, 1), std::vector{holds});
+  EXPECT_EQ(ids(true, 3), (std::vector{over[4], over[3], over[2]})) << "the newest of all";
+}
+
 TEST_F(WatchStoresTest, AShelfHoldsForTheConditionUntilItsTimeIsOver) {
   const auto raise = [&](const std::string& subject) {
     AlarmRecord alarm;
