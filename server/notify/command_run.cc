@@ -150,11 +150,13 @@ Result<std::string> run_command(const std::vector<std::string>& command, const s
         to_child.close();  // it does not read its input
     }
     std::array<char, 1024> bytes{};
-    for (ssize_t got = 0; (got = ::read(from_child.get(), bytes.data(), bytes.size())) > 0;) {
+    ssize_t got = 0;
+    while ((got = ::read(from_child.get(), bytes.data(), bytes.size())) > 0) {
       printed.append(bytes.data(), static_cast<std::size_t>(got));
       if (printed.size() > kMostPrinted) printed.erase(0, printed.size() - kMostPrinted);
       if (Clock::now() >= end) break;  // it prints for ever
     }
+    if (got == 0) from_child.close();  // its output goes elsewhere: poll() would return at once
   }
   const int status = child.end();
   const std::string said = last_line(printed);

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <ctime>
 #include <filesystem>
 #include <thread>
 
@@ -18,6 +19,12 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 const std::atomic<bool> kGoOn{false};
+
+double thread_cpu_s() {
+  timespec used{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
 
 TEST(CommandRun, GivesTheInputAndReturnsTheLastLine) {
   const auto said = run_command({"cat"}, "one\ntwo\n", milliseconds(20'000), kGoOn);
@@ -57,6 +64,17 @@ TEST(CommandRun, SaysWithWhichCodeItEnded) {
   EXPECT_THAT(said.error().message, HasSubstr("exit code 3: no such host"));
   EXPECT_FALSE(run_command({"/no/such/program"}, "", milliseconds(20'000), kGoOn));
   EXPECT_FALSE(run_command({}, "", milliseconds(20'000), kGoOn));
+}
+
+// Fifty looks in this second, a few microseconds each: a tenth of it leaves room for a sanitizer.
+TEST(CommandRun, ACommandWhoseOutputGoesElsewhereCostsNoProcessorTime) {
+  const double before_s = thread_cpu_s();
+  const auto said =
+      run_command({"sh", "-c", "exec >/dev/null 2>&1; sleep 1"}, "", milliseconds(20'000), kGoOn);
+  const double used_s = thread_cpu_s() - before_s;
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "exit code 0");
+  EXPECT_LT(used_s, 0.1);
 }
 
 TEST(CommandRun, EndsWithAllThatItStartedAtTheLimit) {
