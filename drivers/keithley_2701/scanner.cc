@@ -16,11 +16,12 @@ Scanner::Scanner(DeviceDescription device, Options options, std::vector<ScanList
                  const transport::Address& address, asio::any_io_executor executor, Clock& clock)
     : LineDevice(std::move(device), address, executor, clock,
                  {.end_of_command = options.send_end,
-                  .resync_request = "*CLS" + options.send_end + "*IDN?" + options.send_end,
+                  .resync_request = "*IDN?" + options.send_end,
                   .resync_prefix = "\x03",  // breaks the pending operation and drops its output
                   .serial = options.serial}),
       options_(std::move(options)),
       lists_(std::move(lists)),
+      is_on_serial_line_(std::holds_alternative<transport::SerialAddress>(address)),
       mutex_(executor) {}
 
 // A four-wire, offset-compensated reading integrates four times; a voltage twice, with its autozero
@@ -32,6 +33,20 @@ double Scanner::channel_s(const ScanList& list) const {
 
 Nanoseconds Scanner::scan_timeout(const ScanList& list) const {
   return nanoseconds_from_s(2 * channel_s(list) * static_cast<double>(list.inputs.size()) + 3);
+}
+
+Nanoseconds Scanner::transmission(std::size_t bytes) const {
+  constexpr double kBitsPerByte = 10;  // start, eight, stop
+  if (!is_on_serial_line_) return Nanoseconds(0);
+  return nanoseconds_from_s(kBitsPerByte * static_cast<double>(bytes) / options_.serial.baud);
+}
+
+DeviceHealth Scanner::health() const {
+  auto out = LineDevice::health();
+  if (errors_before_.empty()) return out;
+  out.last_error += (out.last_error.empty() ? "" : "; ") +
+                    ("its error queue before it was set up anew: " + errors_before_);
+  return out;
 }
 
 tl::unexpected<Error> Scanner::nonsense(const Error& error) {

@@ -6,11 +6,11 @@
 // stamps of its first and last channel, brought to cell time by the exchange around them
 // (transport/clock_anchor.h), widened at the front by the first channel's integration. A joined
 // value belongs to their middle; a channel is at most half a scan (2..3 s) away from it, in which a
-// machine part moves by far less than a millikelvin. After a time-out: device clear (0x03), *CLS,
-// and the identity brings the line back in step. Then it is set up anew, as after a scan that has
-// other fields or channels than were asked for: on a serial line a scanner that lost its mains
-// comes back with the settings of its delivery, without a new connection and with the same
-// identity.
+// machine part moves by far less than a millikelvin. After a time-out: device clear (0x03) and the
+// identity bring the line back in step. Then it is set up anew, as after a scan that has other
+// fields or channels than were asked for: on a serial line a scanner that lost its mains comes back
+// with the settings of its delivery, without a new connection and with the same identity. What its
+// error queue says of before is read first and is part of the health's text until the next set-up.
 //
 // Several devices share it, and the caller's mutual exclusion is per device: the connection's own
 // is here. A list is selected before it is scanned, unless it was scanned last.
@@ -51,6 +51,7 @@ class Scanner final : public transport::LineDevice<Device> {
           const transport::Address& address, asio::any_io_executor executor, Clock& clock);
 
   Awaitable<Result<void>> prepare() override;
+  DeviceHealth health() const override;
   // list: its place among the lists. Errors besides those of every device: data_loss BAD_REPLY,
   // UNKNOWN_LAYOUT, WRONG_CHANNEL.
   Awaitable<Result<Scan>> scan(std::size_t list);
@@ -60,18 +61,24 @@ class Scanner final : public transport::LineDevice<Device> {
   Awaitable<Result<void>> configure();
   Awaitable<Result<void>> select(std::size_t list);
   Awaitable<Result<void>> compare_scan_list(const ScanList& list);
-  Awaitable<Result<void>> drain_errors();
+  // Commands, and the wait until the scanner has executed them.
+  Awaitable<Result<void>> execute(std::vector<std::string> commands);
+  Awaitable<Result<std::string>> read_errors();  // of its queue; empty: none
+  Awaitable<Result<void>> check_errors();
   Result<Scan> scan_from(const std::string& reply, const ScanList& list, CellTime asked);
   tl::unexpected<Error> nonsense(const Error& error);
   double channel_s(const ScanList& list) const;
   Nanoseconds scan_timeout(const ScanList& list) const;
+  Nanoseconds transmission(std::size_t bytes) const;  // of a request; none on TCP
 
   Options options_;
   std::vector<ScanList> lists_;
+  const bool is_on_serial_line_;
   AsyncMutex mutex_;
   transport::ClockAnchor anchor_;
   std::optional<Layout> layout_;
   std::optional<std::size_t> selected_;  // none: not known
+  std::string errors_before_;            // of the queue, read at the last set-up
 };
 
 }  // namespace driftwise::keithley

@@ -33,15 +33,13 @@ Awaitable<Result<void>> Scanner::set_up() {
     co_return nonsense({ErrorCode::failed_precondition, reasons::kWrongDevice,
                         "expected a KEITHLEY MODEL 2700, 2701 or 2750"});
 
-  // *RST and *CLS are slow; *OPC? says when they are over. A scan's time-out is long enough for
-  // them.
-  for (const char* command : {"*RST", "*CLS"}) {
-    if (auto sent = co_await tell(command); !sent) co_return sent;
+  // Before *CLS, which erases it. The queue of a new connection is not ours.
+  errors_before_.clear();
+  if (!is_new_connection()) {
+    DRIFTWISE_CO_TRY(errors_before_, co_await read_errors());
   }
-  DRIFTWISE_CO_TRY(const auto complete,
-                   co_await link_.ask("*OPC?" + options_.send_end, scan_timeout(lists_.front())));
-  if (transport::without_line_ends(complete) != "1")
-    co_return nonsense({ErrorCode::data_loss, reasons::kBadReply, "expected 1"});
+  std::vector<std::string> reset{"*RST", "*CLS"};
+  if (auto done = co_await execute(std::move(reset)); !done) co_return done;
 
   DRIFTWISE_CO_TRY(const auto cards, co_await ask("*OPT?"));
   const std::string card_text(transport::without_line_ends(cards));
@@ -56,7 +54,7 @@ Awaitable<Result<void>> Scanner::set_up() {
     if (auto done = co_await select(i); !done) co_return done;
     if (auto same = co_await compare_scan_list(lists_[i]); !same) co_return same;
   }
-  if (auto clean = co_await drain_errors(); !clean) co_return clean;
+  if (auto clean = co_await check_errors(); !clean) co_return clean;
   co_return Result<void>{};
 }
 
@@ -91,9 +89,23 @@ Awaitable<Result<void>> Scanner::configure() {
     auto more = functions_of(list);
     commands.insert(commands.end(), more.begin(), more.end());
   }
+  co_return co_await execute(std::move(commands));
+}
+
+// On RS-232 the commands wait in a queue: some 400 bytes take 0.8 s at 4800 baud, and *RST, *CLS
+// and the functions are slow. *OPC? after them (M 10-19) has the time that they need, so that the
+// next query has its own.
+Awaitable<Result<void>> Scanner::execute(std::vector<std::string> commands) {
+  const std::string query = "*OPC?" + options_.send_end;
+  std::size_t bytes = query.size();
   for (const auto& command : commands) {
+    bytes += command.size() + options_.send_end.size();
     if (auto sent = co_await tell(command); !sent) co_return sent;
   }
+  DRIFTWISE_CO_TRY(const auto complete,
+                   co_await link_.ask(query, scan_timeout(lists_.front()) + transmission(bytes)));
+  if (transport::without_line_ends(complete) != "1")
+    co_return nonsense({ErrorCode::data_loss, reasons::kBadReply, "expected 1"});
   co_return Result<void>{};
 }
 
@@ -106,9 +118,7 @@ Awaitable<Result<void>> Scanner::select(std::size_t number) {
   commands.push_back("ROUT:SCAN " + encode_channel_list(list.inputs));
   commands.emplace_back("ROUT:SCAN:TSO IMM");
   commands.emplace_back("ROUT:SCAN:LSEL INT");
-  for (const auto& command : commands) {
-    if (auto sent = co_await tell(command); !sent) co_return sent;
-  }
+  if (auto done = co_await execute(std::move(commands)); !done) co_return done;
   selected_ = number;
   co_return Result<void>{};
 }
@@ -125,7 +135,7 @@ Awaitable<Result<void>> Scanner::compare_scan_list(const ScanList& wanted) {
           "(a 20-channel card scans 101..110 in four-wire)");
 }
 
-Awaitable<Result<void>> Scanner::drain_errors() {
+Awaitable<Result<std::string>> Scanner::read_errors() {
   std::string found;
   for (int i = 0; i < kMaxErrorReads; ++i) {
     DRIFTWISE_CO_TRY(const auto reply, co_await ask("SYST:ERR?"));
@@ -134,8 +144,16 @@ Awaitable<Result<void>> Scanner::drain_errors() {
     if (error->number == 0) break;
     found += (found.empty() ? "" : "; ") + std::to_string(error->number) + " " + error->text;
   }
+  co_return found;
+}
+
+Awaitable<Result<void>> Scanner::check_errors() {
+  DRIFTWISE_CO_TRY(const auto found, co_await read_errors());
   if (found.empty()) co_return Result<void>{};
-  co_return link_.refused(reasons::kSetUp, "the scanner refused a part of its set-up: " + found);
+  co_return link_.refused(
+      reasons::kSetUp,
+      "the scanner refused a part of its set-up: " + found +
+          (errors_before_.empty() ? "" : "; its error queue said before: " + errors_before_));
 }
 
 }  // namespace driftwise::keithley

@@ -102,11 +102,16 @@ Awaitable<Result<void>> Autocollimator::check_spot() {
 }
 
 Awaitable<Result<Reading>> Autocollimator::read() {
+  const CellTime called = clock_.now().utc;
   DRIFTWISE_CO_TRY(const auto turn, co_await take_turn());
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_spot());
+  // A value is the mean of the integration that ends when it is asked for. The axes may have come
+  // to rest just before the reading was asked for, and no gate behind it compares the two.
+  const Nanoseconds integration = std::chrono::milliseconds(options_.integration_ms);
+  co_await clock_.sleep_until(called + integration);
   Reading out;
   out.device = device_.id;
-  out.start = clock_.now().utc;
+  out.start = clock_.now().utc - integration;
   for (std::size_t i = 0; i < device_.angles().size(); ++i) {
     const auto& angle = device_.angles()[i];
     DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(angle.device_axis) + "TP"));

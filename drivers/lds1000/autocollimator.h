@@ -3,10 +3,12 @@
 //
 // read() gives every [[device.angle]] in arcsec, sign applied. It asks the status before and after
 // the values, for what the controller prints without a beam is not specified: only values between
-// two good states count. start and end are cell time, for the controller has no clock. At every
-// connection the set-up of each axis is read: another unit or increment than the options name is
-// refused, microradian is converted. A value does not say its unit, and a controller that was
-// switched off and on has the one of its delivery: the set-up is read again behind every value.
+// two good states count. start and end are cell time, for the controller has no clock. A value is
+// the mean of the integration that ends when it is asked for: start is so much earlier, and read()
+// waits until the integration lies behind the call, so that nothing of before it is in the value.
+// At every connection the set-up of each axis is read: another unit or increment than the options
+// name is refused, microradian is converted. A value does not say its unit, and a controller that
+// was switched off and on has the one of its delivery: the set-up is read again behind every value.
 
 #include "drivers/lds1000/lds_codec.h"
 #include "drivers/lds1000/lds_options.h"

@@ -55,7 +55,7 @@ Result<Supply> parse_status(std::string_view status) {
     return fail(ErrorCode::failed_precondition, reasons::kUpsStale,
                 "upsd waits for its UPS driver (upsdrvctl)");
   Supply supply;
-  bool says_where = false, low = false;
+  bool says_where = false, low = false, calibrates = false;
   while (!status.empty()) {
     const std::size_t end = std::min(status.find(' '), status.size());
     const std::string_view word = status.substr(0, end);
@@ -64,10 +64,11 @@ Result<Supply> parse_status(std::string_view status) {
     supply.on_mains = supply.on_mains || word == "OL";
     supply.on_battery = supply.on_battery || word == "OB";
     low = low || word == "LB";
+    calibrates = calibrates || word == "CAL";
     supply.forced = supply.forced || word == "FSD";
   }
   if (!says_where) return bad_nut_reply("OL or OB among the words of ups.status");
-  supply.low_battery = low && supply.on_battery;
+  supply.low_battery = low && supply.on_battery && !calibrates;
   return supply;
 }
 

@@ -30,7 +30,8 @@ Result<std::optional<std::string>> parse_value(std::string_view line, std::strin
 struct Supply {
   bool on_battery = false;  // OB
   // LB while on battery. A battery that is charged after a power cut is low as well, and mains are
-  // there: OL CHRG LB.
+  // there: OL CHRG LB. A runtime calibration (CAL) discharges the battery on purpose: as upsmon
+  // (is_ups_critical), OB CAL LB is not taken as low.
   bool low_battery = false;
   // FSD: upsd has announced a forced shutdown. It brings down a computer whose supply is otherwise
   // well, and is not taken back when mains return (upsmon(8), "Forced shutdowns"): upsd keeps the
@@ -47,8 +48,8 @@ Result<Supply> parse_status(std::string_view status);
 // daemon each time it is started.
 class AboutToGo {
  public:
-  // True: LB while on battery; FSD, whatever stands beside it, that began since the start; an older
-  // one that is no longer beside mains.
+  // True: LB while on battery, without CAL; FSD, whatever stands beside it, that began since the
+  // start; an older one that is no longer beside mains.
   bool take(const Supply& supply);
 
  private:

@@ -50,12 +50,13 @@ Awaitable<Result<std::optional<std::string>>> NutUps::value_of(std::string name)
   co_return value;
 }
 
+// Real supplies say "-1" or nothing for a runtime (networkupstools/nut issue 983), and their status
+// counts all the same.
 Awaitable<Result<double>> NutUps::quantity(std::string name) {
-  DRIFTWISE_CO_TRY(const auto text, co_await value_of(name));
-  if (!text) co_return kMissing;
-  auto value = parse_quantity(*text, name);
-  if (!value) co_return wrong(value);
-  co_return value;
+  const auto text = co_await value_of(name);
+  if (!text && text.error().code == ErrorCode::aborted) co_return tl::unexpected(text.error());
+  if (!text || !*text) co_return kMissing;
+  co_return parse_quantity(**text, name).value_or(kMissing);
 }
 
 Awaitable<Result<Reading>> NutUps::read() {

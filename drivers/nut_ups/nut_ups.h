@@ -2,8 +2,8 @@
 // The loop behind Instrument for one uninterruptible supply behind upsd (Network UPS Tools).
 //
 // read() gives <id>_on_battery_1, <id>_low_battery_1 (power is about to go) and <id>_forced_1 (0 or
-// 1), <id>_charge_pct and <id>_runtime_s (kMissing where the supply does not say). start and end
-// are cell time.
+// 1), <id>_charge_pct and <id>_runtime_s (kMissing where the supply does not say, or says nothing
+// usable: only the status may fail a reading). start and end are cell time.
 
 #include "drivers/nut_ups/nut_codec.h"
 #include "drivers/transport/line_device.h"
@@ -28,6 +28,7 @@ class NutUps final : public transport::LineDevice<Instrument> {
  private:
   Awaitable<Result<void>> set_up() override;
   Awaitable<Result<std::optional<std::string>>> value_of(std::string name);
+  // kMissing: no usable value. Errors: aborted.
   Awaitable<Result<double>> quantity(std::string name);
 
   Options options_;

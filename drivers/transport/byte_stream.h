@@ -41,7 +41,8 @@ class ByteStream {
 
 // TCP with TCP_NODELAY: requests are small and wait for nobody.
 std::unique_ptr<ByteStream> make_tcp_stream(asio::any_io_executor executor, TcpAddress address);
-// A serial port in raw mode; opening it drops what was left in its queues.
+// A serial port in raw mode; opening it drops what was left in its queues. A character that arrives
+// with a framing or parity error is NUL.
 std::unique_ptr<ByteStream> make_serial_stream(asio::any_io_executor executor,
                                                SerialAddress address, SerialSettings settings);
 std::unique_ptr<ByteStream> make_stream(asio::any_io_executor executor, const Address& address,

@@ -28,6 +28,7 @@ class SerialStream final : public ByteStream {
     error_code error;
     port_.open(address_.path, error);  // raw, 8 bits, receiver on
     apply(error);
+    if (!error) error = mark_damaged_bytes();
     if (!error && ::tcflush(port_.native_handle(), TCIOFLUSH) != 0) error = last_error();
     if (error) close();
     co_return error;
@@ -96,6 +97,16 @@ class SerialStream final : public ByteStream {
                                      : serial_port_base::parity::odd));
     set(serial_port_base::flow_control(settings_.xon_xoff ? serial_port_base::flow_control::software
                                                           : serial_port_base::flow_control::none));
+  }
+
+  // A character with a framing or parity error, as NUL, which every codec refuses. Asio sets IGNPAR
+  // for parity none, and the character is then dropped: "1TP-1596.3" arrives as "1TP-196.3".
+  error_code mark_damaged_bytes() {
+    termios line{};
+    if (::tcgetattr(port_.native_handle(), &line) != 0) return last_error();
+    line.c_iflag &= ~static_cast<tcflag_t>(IGNPAR | PARMRK);
+    line.c_iflag |= INPCK;
+    return ::tcsetattr(port_.native_handle(), TCSANOW, &line) == 0 ? error_code{} : last_error();
   }
 
   asio::serial_port port_;

@@ -53,7 +53,8 @@ class VoltageLoop : public tests::DriverFixture {
     Script out;
     if (!first) out.push_back(expect("ROUT:SCAN:LSEL NONE\n"));
     append(out, {expect("SAMP:COUN 1\n"), expect("ROUT:SCAN " + list + "\n"),
-                 expect("ROUT:SCAN:TSO IMM\n"), expect("ROUT:SCAN:LSEL INT\n")});
+                 expect("ROUT:SCAN:TSO IMM\n"), expect("ROUT:SCAN:LSEL INT\n"), expect("*OPC?\n"),
+                 send("1\n")});
     return out;
   }
   static Script set_up_of_both() {
@@ -72,6 +73,7 @@ class VoltageLoop : public tests::DriverFixture {
           "FRES:OCOM ON,(@101)", "FRES:NPLC 5,(@101)", "FUNC 'VOLT',(@201)", "VOLT:RANG 10,(@201)",
           "VOLT:NPLC 1,(@201)"})
       out.push_back(expect(std::string(command) + "\n"));
+    append(out, {expect("*OPC?\n"), send("1\n")});
     append(out, selected("(@101)", true));
     append(out, {expect("ROUT:SCAN?\n"), send("(@101)\n")});
     append(out, selected("(@201)"));

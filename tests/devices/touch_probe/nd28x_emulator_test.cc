@@ -22,17 +22,17 @@ struct Nd28xAtWork {
 
 TEST(Nd28xEmulator, AnswersTheByteWithAValueInItsSteps) {
   Nd28xAtWork probe;
-  EXPECT_EQ(probe.talk.ask("\x02"), "+    1.234550 \r\n");
+  EXPECT_EQ(probe.talk.ask("\x02"), "+  1.234550    \r\n");
   Nd28xAtWork fine({{"step_nm", "5"}});
-  EXPECT_EQ(fine.talk.ask("\x02"), "+    1.234570 \r\n");
+  EXPECT_EQ(fine.talk.ask("\x02"), "+  1.234570    \r\n");
   Nd28xAtWork elsewhere({{"offset_mm", "-3"}});
-  EXPECT_EQ(elsewhere.talk.ask("\x02"), "-    1.765450 \r\n");
+  EXPECT_EQ(elsewhere.talk.ask("\x02"), "-  1.765450    \r\n");
 }
 
 TEST(Nd28xEmulator, StandsAtItsFreeEndWithoutContact) {
   Nd28xAtWork probe;
   probe.plant.beam_broken = true;
-  EXPECT_EQ(probe.talk.ask("\x02"), "-    5.500000 \r\n");
+  EXPECT_EQ(probe.talk.ask("\x02"), "-  5.500000    \r\n");
 }
 
 TEST(Nd28xEmulator, SaysWhoItIsAndRefusesCommandsThatItDoesNotKnow) {
@@ -53,9 +53,22 @@ TEST(Nd28xEmulator, SaysWhoItIsAndRefusesCommandsThatItDoesNotKnow) {
 
 TEST(Nd28xEmulator, ShowsInchesOrAMessageWhereASwitchSaysSo) {
   Nd28xAtWork inches({{"inches", "true"}, {"step_nm", "25400"}});
-  EXPECT_EQ(inches.talk.ask("\x02"), "+    0.049000\"\r\n");
+  EXPECT_EQ(inches.talk.ask("\x02"), "+  0.049000 \"  \r\n");
   Nd28xAtWork broken({{"message", "SIGNAL X"}});
   EXPECT_EQ(broken.talk.ask("\x02"), "SIGNAL X\r\n");
+}
+
+// Manuals of the ND 281B, page 47, and the ND 287, page 115.
+TEST(Nd28xEmulator, SendsARecordOfSeventeenCharactersWithItsMarks) {
+  Nd28xAtWork plain;
+  EXPECT_EQ(plain.talk.ask("\x02").size(), 17u);
+  Nd28xAtWork sorted({{"marks", " =A"}});
+  EXPECT_EQ(sorted.talk.ask("\x02"), "+  1.234550  =A\r\n");
+  Nd28xAtWork faulty({{"marks", "?"}});
+  EXPECT_EQ(faulty.talk.ask("\x02"), "+  1.234550 ?  \r\n");
+  TestPlant plant;
+  const auto four = switches_with(Nd28xEmulator::switches(), {{"marks", " =A1"}});
+  EXPECT_THROW(Nd28xEmulator(plant, four, 0), SetupError);
 }
 
 TEST(Nd28xEmulator, NeedsALengthOfThePlant) {

@@ -54,6 +54,32 @@ TEST_F(AutocollimatorLoop, ReadsBetweenTwoGoodStates) {
   EXPECT_TRUE(peer.finished());
 }
 
+// EDH0170: a value is the mean over the integration constant before it is asked for. What the axes
+// did before read() was called, such as their approach, is not in it.
+TEST_F(AutocollimatorLoop, ReadsNothingOfTheTimeBeforeItsCall) {
+  constexpr auto kIntegration = std::chrono::milliseconds(200);
+  Script script{expect("VE\r"),    send("VE LDS1000 Controller Version 3.10\r"),
+                expect("TE\r"),    send("TE@\r"),
+                expect("KI200\r"), expect("TE\r"),
+                send("TE@\r"),     expect("XI\r"),
+                send("XI200\r"),   expect("1TA\r"),
+                send(kSeconds)};
+  for (int k = 0; k < 2; ++k)
+    for (const auto& step : {expect("MS\r"), send("MS@\r"), expect("1TP\r"), send("1TP1.5\r"),
+                             expect("1TA\r"), send(kSeconds), expect("MS\r"), send("MS@\r")})
+      script.push_back(step);
+  peer.on_connection(script);
+  make(collimator({{"integration_ms", "200"}}));
+  for (int k = 0; k < 2; ++k) {
+    const CellTime called = clock.now().utc;
+    const auto reading = run(instrument->read());
+    ASSERT_TRUE(reading) << reading.error().message;
+    EXPECT_GE(reading->start, called);
+    EXPECT_GE(reading->end - reading->start, kIntegration);
+    EXPECT_LE(reading->end, clock.now().utc);
+  }
+}
+
 TEST_F(AutocollimatorLoop, ReadsTwoAxesWithTheirSignsAndUnits) {
   auto both = collimator();
   both.become<AngleSettings>().angles = {{{"ry", "arcsec"}, 1, -1, 0}, {{"rz", "arcsec"}, 2, 1, 0}};

@@ -1,6 +1,7 @@
 #include "drivers/keithley_2701/keithley_2701.h"
 #include "drivers/keithley_2701/platinum_resistance.h"
 #include "tests/unit/drivers/driver_fixture.h"
+#include "tests/unit/drivers/pty_peer.h"
 
 namespace driftwise {
 namespace {
@@ -38,15 +39,34 @@ class ScannerLoop : public tests::DriverFixture {
   }
   static Script set_up(std::string end = "\n", const char* list = "(@101,102)\n",
                        std::vector<const char*> errors = {}) {
-    Script out{expect("\x03" + end), expect("*IDN?" + end), send(kIdentity),
-               expect("*RST" + end), expect("*CLS" + end),  expect("*OPC?" + end),
+    return plus({expect("\x03" + end), expect("*IDN?" + end), send(kIdentity)},
+                set_up_from_reset(end, list, std::move(errors)));
+  }
+  // On the connection of before, with what the queue says of before.
+  static Script set_up_again(std::vector<const char*> queue = {}) {
+    Script out{expect("\x03\n"), expect("*IDN?\n"), send(kIdentity)};
+    queue.push_back("0,\"No error\"\n");
+    for (const char* error : queue) {
+      out.push_back(expect("SYST:ERR?\n"));
+      out.push_back(send(error));
+    }
+    return plus(out, set_up_from_reset());
+  }
+  // *OPC? ends each batch of commands (2700 manual, 10-19).
+  static Script set_up_from_reset(std::string end = "\n", const char* list = "(@101,102)\n",
+                                  std::vector<const char*> errors = {}) {
+    Script out{expect("*RST" + end), expect("*CLS" + end),  expect("*OPC?" + end),
                send("1\n"),          expect("*OPT?" + end), send("7708,NONE\n")};
-    for (const char* command :
-         {"TRAC:CLE", "INIT:CONT OFF", "FORM:ELEM READ,CHAN,TST", "TRIG:SOUR IMM", "TRIG:COUN 1",
-          "TRIG:DEL 0", "ROUT:SCAN:LSEL NONE", "FUNC 'FRES',(@101,102)",
-          "FRES:RANG 1000,(@101,102)", "FRES:OCOM ON,(@101,102)", "FRES:NPLC 5,(@101,102)",
-          "SAMP:COUN 2", "ROUT:SCAN (@101,102)", "ROUT:SCAN:TSO IMM", "ROUT:SCAN:LSEL INT"})
+    for (const char* command : {"TRAC:CLE", "INIT:CONT OFF", "FORM:ELEM READ,CHAN,TST",
+                                "TRIG:SOUR IMM", "TRIG:COUN 1", "TRIG:DEL 0", "ROUT:SCAN:LSEL NONE",
+                                "FUNC 'FRES',(@101,102)", "FRES:RANG 1000,(@101,102)",
+                                "FRES:OCOM ON,(@101,102)", "FRES:NPLC 5,(@101,102)", "*OPC?"})
       out.push_back(expect(command + end));
+    out.push_back(send("1\n"));
+    for (const char* command : {"SAMP:COUN 2", "ROUT:SCAN (@101,102)", "ROUT:SCAN:TSO IMM",
+                                "ROUT:SCAN:LSEL INT", "*OPC?"})
+      out.push_back(expect(command + end));
+    out.push_back(send("1\n"));
     out.push_back(expect("ROUT:SCAN?" + end));
     out.push_back(send(list));
     errors.push_back("0,\"No error\"\n");
@@ -137,9 +157,9 @@ TEST_F(ScannerLoop, RefusesAnotherDevice) {
 // identity and without its set-up.
 TEST_F(ScannerLoop, ClearsTheDeviceAfterATimeoutAndSetsItUpAnew) {
   peer.on_connection(
-      plus(plus(plus(set_up(), {expect("READ?\n"), send("1077,101,"), expect("\x03*CLS\n*IDN?\n"),
+      plus(plus(plus(set_up(), {expect("READ?\n"), send("1077,101,"), expect("\x03*IDN?\n"),
                                 send("0.1,1078,102,0.5\n"), send(kIdentity)}),
-                set_up()),
+                set_up_again()),
            {expect("READ?\n"), send("1090,101,1.1,1078,102,1.5\n")}));
   make(scanner());
   const auto late = run(instrument->read());
@@ -152,11 +172,39 @@ TEST_F(ScannerLoop, ClearsTheDeviceAfterATimeoutAndSetsItUpAnew) {
   EXPECT_EQ(instrument->health().reconnects, 0);
 }
 
+// *CLS would erase what the scanner has to say about its own failure.
+TEST_F(ScannerLoop, ReadsTheErrorQueueBeforeItIsErased) {
+  auto script = plus(set_up(), {expect("READ?\n"), expect("\x03*IDN?\n"), send(kIdentity)});
+  script = plus(script, set_up_again({"-410,\"Query interrupted\"\n"}));
+  peer.on_connection(plus(script, {expect("READ?\n"), send("1090,101,1.1,1078,102,1.5\n")}));
+  make(scanner());
+  EXPECT_EQ(run(instrument->read()).error().reason, "TIMEOUT");
+  const auto next = run(instrument->read());
+  ASSERT_TRUE(next) << next.error().message;
+  EXPECT_THAT(instrument->health().last_error, HasSubstr("-410 Query interrupted"));
+}
+
+TEST_F(ScannerLoop, AddsTheErrorQueueOfBeforeToTheErrorOfTheSetUp) {
+  auto script = plus(set_up(), {expect("READ?\n"), expect("\x03*IDN?\n"), send(kIdentity),
+                                expect("\x03\n"), expect("*IDN?\n"), send(kIdentity),
+                                expect("SYST:ERR?\n"), send("-363,\"Input buffer overrun\"\n"),
+                                expect("SYST:ERR?\n"), send("0,\"No error\"\n")});
+  peer.on_connection(
+      plus(script, set_up_from_reset("\n", "(@101,102)\n", {"-221,\"Settings conflict\"\n"})));
+  make(scanner());
+  EXPECT_EQ(run(instrument->read()).error().reason, "TIMEOUT");
+  const auto refused = run(instrument->read());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "SET_UP");
+  EXPECT_THAT(refused.error().message,
+              AllOf(HasSubstr("-221 Settings conflict"), HasSubstr("-363 Input buffer overrun")));
+}
+
 class ForgottenSetUp : public ScannerLoop, public testing::WithParamInterface<const char*> {};
 TEST_P(ForgottenSetUp, IsSetAnewAfterAScanThatContradictsIt) {
   peer.on_connection(plus(plus(plus(set_up(), {expect("READ?\n"), send(GetParam()),
-                                               expect("\x03*CLS\n*IDN?\n"), send(kIdentity)}),
-                               set_up()),
+                                               expect("\x03*IDN?\n"), send(kIdentity)}),
+                               set_up_again()),
                           {expect("READ?\n"), send("1090,101,1.1,1078,102,1.5\n")}));
   make(scanner());
   const auto contradicts = run(instrument->read());
@@ -170,6 +218,45 @@ TEST_P(ForgottenSetUp, IsSetAnewAfterAScanThatContradictsIt) {
 INSTANTIATE_TEST_SUITE_P(Scans, ForgottenSetUp,
                          testing::Values("-1.2345E-05VDC,+0.3SECS,+4RDNG#\n",
                                          "1077,103,0.1,1078,104,0.5\n"));
+
+// A 2700 on RS-232: bytes wait in its queue, and each command takes its time.
+TEST(ScannerOnASerialLine, IsSetUpThoughItsCommandsTakeLongerThanItsTimeOut) {
+  static constexpr auto kCommand = 30ms;  // 17 of them: twice the time-out
+  const tests::PtyPeer peer([](std::string& received) {
+    std::string replies;
+    for (auto end = received.find('\r'); end != std::string::npos; end = received.find('\r')) {
+      auto command = received.substr(0, end);
+      received.erase(0, end + 1);
+      std::erase(command, '\x03');
+      if (command == "*IDN?")
+        replies += "KEITHLEY INSTRUMENTS INC.,MODEL 2700,1234567,B09  /A02\r";
+      else if (command == "*OPC?")
+        replies += "1\r";
+      else if (command == "*OPT?")
+        replies += "7700,NONE\r";
+      else if (command == "ROUT:SCAN?")
+        replies += "(@101)\r";
+      else if (command == "SYST:ERR?")
+        replies += "0,\"No error\"\r";
+      else
+        std::this_thread::sleep_for(kCommand);
+    }
+    return replies;
+  });
+  DeviceDescription described;
+  described.id = "scanner";
+  described.kind = "keithley-2701";
+  described.address = peer.path();
+  described.timeout_s = 0.25;
+  described.become<TemperatureSettings>().probes.push_back(
+      {{"t01", "degC"}, 101, 1000.0, 3.9083e-3, -5.775e-7, "", "robot", 0});
+  asio::io_context context{1};
+  tests::WallClock clock;
+  auto made = drivers::make_keithley_2701(described, context.get_executor(), clock);
+  ASSERT_TRUE(made) << made.error().message;
+  const auto ready = tests::run(context, (*made)->prepare());
+  EXPECT_TRUE(ready) << ready.error().message;
+}
 
 TEST_F(ScannerLoop, HasNoZero) { EXPECT_EQ(run(make(scanner()).zero()).error().reason, "NO_ZERO"); }
 

@@ -354,8 +354,26 @@ TEST(KeithleySerial, RunsACommandAtCarriageReturnAndAnswersWithItsTerminator) {
 TEST(KeithleySerial, RepliesTakeTheTimeOfTheirBytes) {
   Scanner scanner({{"serial_baud", "300"}}, Link::serial);
   scanner.line.say("\x03*OPT?\r");  // drop what the fixture typed with line feeds
-  EXPECT_EQ(scanner.line.hear(0.33), "");
-  EXPECT_EQ(scanner.line.hear(0.02), "7700,NONE\r") << "10 bytes of 10 bits at 300 baud";
+  EXPECT_EQ(scanner.line.hear(0.56), "") << "7 bytes of 10 bits at 300 baud, then 10 bytes";
+  EXPECT_EQ(scanner.line.hear(0.02), "7700,NONE\r");
+}
+
+TEST(KeithleySerial, CommandsTakeTheTimeOfTheirBytesBeforeTheNextQuery) {
+  Scanner scanner({{"serial_baud", "4800"}}, Link::serial);
+  scanner.line.ask("\x03", 1);
+  const std::string command = "FRES:NPLC 5,(@101:110)\r";
+  std::string batch;
+  for (int i = 0; i < 17; ++i) batch += command;  // 391 bytes
+  EXPECT_EQ(scanner.line.ask(batch + "*OPC?\r", 0.82), "") << "397 bytes take 0.827 s";
+  EXPECT_EQ(scanner.line.hear(0.05), "1\r");
+}
+
+TEST(KeithleySerial, ADeviceClearComesInItsTurn) {
+  Scanner scanner({{"serial_baud", "300"}}, Link::serial);
+  scanner.line.ask("\x03", 1);
+  scanner.line.say("*OPT?\r\x03*IDN?\r");
+  EXPECT_EQ(scanner.line.hear(0.21), "");
+  EXPECT_THAT(scanner.line.hear(5), StartsWith("KEITHLEY")) << "the cards are not told any more";
 }
 
 TEST(Keithley, AnEndlessMessageIsAnOverrun) {

@@ -4,7 +4,6 @@
 
 #include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/emulators/text.h"
-#include "drivers/simulated/emulators/timed_line.h"
 
 namespace driftwise::simulated {
 namespace {
@@ -46,7 +45,8 @@ const std::vector<SwitchDescription>& KeithleyEmulator::switches() {
       {"message_limit", "2048", "U", "bytes of a message; more give -363"},
       {"serial", "false", "own", "also serve a pseudo-terminal (printed in READY): RS-232, CR"},
       {"serial_terminator", "\\r", "D", "end of a reply on RS-232: \\r or \\r\\n or \\n or \\n\\r"},
-      {"serial_baud", "19200", "M", "RS-232 replies take 10 bits per byte; 0: no time"},
+      {"serial_baud", "19200", "M",
+       "RS-232 requests and replies take 10 bits per byte; 0: no time"},
       {"max_clients", "1", "U", "TCP connections at a time; one more is closed at once"},
   };
   return kAll;
@@ -83,7 +83,8 @@ KeithleyEmulator::KeithleyEmulator(PlantThermometers& plant, const Switches& s, 
 
 void KeithleyEmulator::open(Session session, Link link, TimeNs) {
   const char terminator = link == Link::serial ? '\r' : '\n';
-  clients_.insert_or_assign(session, Client{link, LineBuffer(terminator, message_limit_)});
+  clients_.insert_or_assign(session,
+                            Client{link, LineBuffer(terminator, message_limit_), TimedLine(link)});
 }
 
 void KeithleyEmulator::close(Session session, TimeNs now) {
@@ -100,7 +101,25 @@ void KeithleyEmulator::close(Session session, TimeNs now) {
   }
 }
 
+// A byte on RS-232 takes its time to come. Cut behind each byte that does something.
 void KeithleyEmulator::receive(Session session, std::string_view bytes, TimeNs now) {
+  const auto found = clients_.find(session);
+  if (found == clients_.end()) return;
+  if (found->second.link != Link::serial || baud_ <= 0) {
+    take(session, bytes, now);
+    return;
+  }
+  while (!bytes.empty()) {
+    const auto length = std::min(bytes.find_first_of("\r\x03\x18"), bytes.size() - 1) + 1;
+    const TimeNs due = found->second.request_line.carry(length, baud_, now);
+    timeline_.at(due, [this, session, piece = std::string(bytes.substr(0, length))](TimeNs at) {
+      take(session, piece, at);
+    });
+    bytes.remove_prefix(length);
+  }
+}
+
+void KeithleyEmulator::take(Session session, std::string_view bytes, TimeNs now) {
   for (const char c : bytes) {
     const auto found = clients_.find(session);
     if (found == clients_.end()) return;

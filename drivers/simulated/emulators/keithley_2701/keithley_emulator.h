@@ -1,9 +1,10 @@
 #pragma once
 // A Keithley 2701 multimeter with scanner (PROTOCOLS section 1): SCPI over TCP (LF) or a serial
-// line (CR, reply terminator as configured). Messages are executed one after the other; a message
-// that arrives while a query is still waiting for its measurement interrupts it (-410, the pending
-// reply is lost), as the maker's "read the whole reply before the next message" says. 0x03 and 0x18
-// clear the device: measurement, replies and waiting messages are dropped.
+// line (CR, reply terminator as configured; request and reply take the time of their bytes).
+// Messages are executed one after the other; a message that arrives while a query is still waiting
+// for its measurement interrupts it (-410, the pending reply is lost), as the maker's "read the
+// whole reply before the next message" says. 0x03 and 0x18 clear the device: measurement, replies
+// and waiting messages are dropped.
 //
 // A scan takes its time in cell time: per channel the integrations, the relay and the trigger
 // delay; a probe's resistance is taken at the end of its own integration, and so is its time stamp.
@@ -20,6 +21,7 @@
 #include "drivers/simulated/emulators/keithley_2701/scpi.h"
 #include "drivers/simulated/emulators/line_buffer.h"
 #include "drivers/simulated/emulators/switches.h"
+#include "drivers/simulated/emulators/timed_line.h"
 
 namespace driftwise::simulated {
 
@@ -37,6 +39,7 @@ class KeithleyEmulator : public Emulator {
   struct Client {
     Link link;
     LineBuffer input;
+    TimedLine request_line;
   };
   struct Message {
     Session session;
@@ -86,6 +89,7 @@ class KeithleyEmulator : public Emulator {
   using Arguments = ScpiTree::Arguments;
 
   // keithley_emulator.cc: messages and jobs
+  void take(Session session, std::string_view bytes, TimeNs now);
   void device_clear(Session session);
   void message(Session session, LineBuffer::Line line, TimeNs now);
   void start_next(TimeNs now);

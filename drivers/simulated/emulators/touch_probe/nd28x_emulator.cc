@@ -11,6 +11,7 @@ namespace {
 
 constexpr char kPrint = '\x02', kEscape = '\x1b';
 constexpr std::size_t kCommandLength = 6;  // ESC, letter, four digits
+constexpr std::size_t kMarks = 3;          // unit, sorting, series
 constexpr double kNmPerMillimetre = 1e6, kMmPerInch = 25.4;
 
 }  // namespace
@@ -23,6 +24,7 @@ const std::vector<SwitchDescription>& Nd28xEmulator::switches() {
       {"offset_mm", "0", "own", "what it shows where the plant's length is 0"},
       {"free_mm", "-5.5", "own", "what it shows while the tip touches nothing"},
       {"inches", "false", "M", "shows inches, marked with \""},
+      {"marks", "", "M", "columns behind the value: unit, sorting, series; missing ones are blank"},
       {"message", "", "U", "shown in the place of a value, such as SIGNAL X"},
       {"latency_s", "0.03", "M", "from the byte 02 to the value: at most 0.05"},
       {"serial", "false", "own", "also serve a pseudo-terminal (printed in READY): RS-232, 7E1"},
@@ -37,6 +39,7 @@ Nd28xEmulator::Nd28xEmulator(PlantLengths& plant, const Switches& s, int index)
       index_(index),
       identity_("\x02" + s.text("identity") + "\r\n349797-05 \r\nV1.02     \r\n"),
       message_(s.text("message")),
+      marks_(s.text("marks")),
       remote_(s.flag("remote")),
       inches_(s.flag("inches")),
       step_mm_(s.number("step_nm", 1, 1e6) / kNmPerMillimetre),
@@ -44,6 +47,11 @@ Nd28xEmulator::Nd28xEmulator(PlantLengths& plant, const Switches& s, int index)
       free_mm_(s.number("free_mm", -1000, 1000)),
       baud_(s.number("serial_baud", 0, 1e6)),
       latency_(nanoseconds_from(s.number("latency_s", 0, 10))) {
+  if (marks_.size() > kMarks)
+    throw SetupError("[emulator.touch_probe]: marks = '" + marks_ +
+                     "', expected up to three characters");
+  marks_.resize(kMarks, ' ');
+  if (inches_) marks_.front() = '"';
   if (index < 0 || index >= plant.interferometer_count())
     throw SetupError("[emulator.touch_probe]: asked for the plant's length " +
                      std::to_string(index + 1) + ", it has " +
@@ -97,8 +105,8 @@ double Nd28xEmulator::shown_mm(TimeNs now) {
 
 std::string Nd28xEmulator::value_line(double mm) const {
   char digits[32];
-  std::snprintf(digits, sizeof digits, "%12.6f", std::abs(inches_ ? mm / kMmPerInch : mm));
-  return (std::signbit(mm) ? "-" : "+") + std::string(digits) + (inches_ ? "\"" : " ") + "\r\n";
+  std::snprintf(digits, sizeof digits, "%10.6f", std::abs(inches_ ? mm / kMmPerInch : mm));
+  return (std::signbit(mm) ? "-" : "+") + std::string(digits) + " " + marks_ + "\r\n";
 }
 
 void Nd28xEmulator::reply(Session session, const std::string& text, TimeNs now) {

@@ -2,8 +2,8 @@
 // A touch probe behind a Heidenhain ND 28x read-out on RS-232. The byte 02 asks for the present
 // value; ESC, a letter, four digits and CR is a remote command: A0000 identity, A0100 display text,
 // anything else is answered with NAK. Other bytes get no answer. The value is one of the plant's
-// lengths in mm, in steps of the read-out; while the plant says that nothing is measured there the
-// tip stands at its free end.
+// lengths in mm, in steps of the read-out, as a record of 17 characters; while the plant says that
+// nothing is measured there the tip stands at its free end.
 
 #include <map>
 #include <string>
@@ -37,7 +37,7 @@ class Nd28xEmulator : public Emulator {
 
   PlantLengths& plant_;
   int index_;
-  std::string identity_, message_;
+  std::string identity_, message_, marks_;
   bool remote_, inches_;
   double step_mm_, offset_mm_, free_mm_, baud_;
   TimeNs latency_;
