@@ -230,6 +230,7 @@ class ArmLaw final : public GeometryLaw {
     if (covariance_.size() > 0)  // of the point; nothing measured the axes
       result.u.head<3>() =
           (variances(at.by_parameters.topRows<3>(), covariance_) + residual_mm2_ +
+           temperature_variances(at, present) +
            (at.by_parameters.topRows<3>() * shifts_of(present, free_, at.by_parameters.cols()))
                .rowwise()
                .squaredNorm())
@@ -300,15 +301,32 @@ class ArmLaw final : public GeometryLaw {
     answer.residual = inverse.leftCols(3).cwiseAbs2() * residual_mm2_;
     answer.temperatures = VectorXd::Zero(rows);
     for (Index j = 0; j < rows; ++j) {
-      const auto& errors = arm_.description().links[static_cast<std::size_t>(j)].errors;
-      const auto channel = std::ranges::find(temperatures_, errors.drift_channel);
-      if (channel == temperatures_.end()) continue;
-      const double turn_rad =
-          rad_from_arcsec(errors.drift_arcsec_per_k) *
-          present.u_temperatures[static_cast<std::size_t>(channel - temperatures_.begin())];
-      const double turn = turn_rad / arm_.rad_per_unit(static_cast<std::size_t>(j));
-      answer.temperatures[j] = turn * turn;
+      const auto joint = static_cast<std::size_t>(j);
+      for (std::size_t c = 0; c < temperatures_.size(); ++c) {
+        const double turn = drift_rad(joint, c, present) / arm_.rad_per_unit(joint);
+        answer.temperatures[j] += turn * turn;
+      }
     }
+  }
+
+  // Turn of a joint by the standard uncertainty of a thermometer; 0: it drifts with another.
+  double drift_rad(std::size_t joint, std::size_t channel, const PresentGeometry& present) const {
+    const auto& errors = arm_.description().links[joint].errors;
+    if (errors.drift_channel != temperatures_[channel]) return 0;
+    return rad_from_arcsec(errors.drift_arcsec_per_k) * present.u_temperatures[channel];
+  }
+
+  // Of x, y, z. One thermometer turns its joints together, with their signs.
+  Eigen::Vector3d temperature_variances(const kinematics::SerialArm::Posture& at,
+                                        const PresentGeometry& present) const {
+    Eigen::Vector3d variance = Eigen::Vector3d::Zero();
+    for (std::size_t c = 0; c < temperatures_.size(); ++c) {
+      Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();
+      for (std::size_t j = 0; j < arm_.joints(); ++j)
+        moved_mm += drift_rad(j, c, present) * at.jacobian.col(static_cast<Index>(j)).head<3>();
+      variance += moved_mm.cwiseAbs2();
+    }
+    return variance;
   }
 
   kinematics::SerialArm arm_;

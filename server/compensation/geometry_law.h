@@ -16,7 +16,8 @@
 // not follow (source `residual`): of a serial arm the mean squares of the held-out errors of x, y
 // and z. An arm's orientation is not measured, so S has nothing of it: the figure is that of the
 // point. Of a geometry that gives motor coordinates J is 1, A = dq/dp and S the polynomial's
-// residual. Errors of the joints count as known but for their thermometers' u (`temperatures`).
+// residual. Errors of the joints count as known but for their thermometers' u (`temperatures`): in
+// a pose each thermometer counts with the sum of J times the turns of its joints, signs kept.
 // A declared error of the instruments, which moved the parameters by dp, makes J^-1 A dp of each
 // motor coordinate (from a zero: less that at the zero), which adds to what it did to the terms
 // before anything is squared. Without parameters identified there is no uncertainty: nothing is

@@ -21,6 +21,11 @@ constexpr std::array<std::pair<std::string_view, RotationConvention>, 5> kConven
      {"zyz-moving", RotationConvention::zyz_moving},
      {"rotation-vector", RotationConvention::rotation_vector}}};
 
+// Sine or cosine of the middle angle below which the other two angles count as indistinguishable.
+// What is left of them has this size, of a matrix element. Above it the matrix' rounding, 1e-16,
+// divided by it turns the two by at most 1e-8 rad.
+constexpr double kHidden = 1e-8;
+
 Matrix3d about(int axis, double angle_rad) {
   return AngleAxisd(angle_rad, Vector3d::Unit(axis)).toRotationMatrix();
 }
@@ -29,7 +34,7 @@ Matrix3d about(int axis, double angle_rad) {
 Vector3d roll_pitch_yaw(const Matrix3d& r) {
   const double cosine = std::hypot(r(0, 0), r(1, 0));
   const double pitch = std::atan2(-r(2, 0), cosine);
-  if (cosine < 1e-12)  // only yaw minus (or plus) roll shows: yaw is 0
+  if (cosine < kHidden)  // only yaw minus (or plus) roll shows: yaw is 0
     return {std::atan2(-r(1, 2), r(1, 1)), pitch, 0};
   return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
 }
@@ -83,7 +88,7 @@ Vector3d rotation_angles_rad(RotationConvention convention, const Matrix3d& r) {
     }
     case RotationConvention::zyz_moving: {
       const double sine = std::hypot(r(0, 2), r(1, 2));
-      if (sine < 1e-12) {
+      if (sine < kHidden) {
         const double turned = r(2, 2) < 0 ? -1 : 1;  // Ry(pi) turns x and z round
         return {std::atan2(turned * r(1, 0), turned * r(0, 0)), std::atan2(sine, r(2, 2)), 0};
       }

@@ -31,8 +31,8 @@ std::string_view to_string(RotationConvention convention);
 
 Eigen::Matrix3d rotation_matrix(RotationConvention convention, const Eigen::Vector3d& angles_rad);
 // The angles of R: the middle one within [-pi/2, pi/2] (zyz: [0, pi]), the others and the vector's
-// length within [-pi, pi]. Where the middle angle makes the other two indistinguishable the third
-// is 0.
+// length within [-pi, pi]. Where the middle angle, within 1e-8 rad, makes the other two
+// indistinguishable the third is 0, of zyx_moving the first.
 Eigen::Vector3d rotation_angles_rad(RotationConvention convention, const Eigen::Matrix3d& rotation);
 
 // p_out = rotation p_in + translation_mm.

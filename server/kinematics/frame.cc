@@ -1,9 +1,8 @@
 #include "server/kinematics/frame.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
-#include <numbers>
 
+#include "server/core/rotation.h"
 #include "server/kinematics/angles.h"
 
 namespace driftwise::kinematics {
@@ -55,9 +54,7 @@ Eigen::Matrix<double, kFrameParameters, 1> frame_values(const Eigen::Matrix3d& r
                                                         const Vector& translation_mm) {
   Eigen::Matrix<double, kFrameParameters, 1> values;
   values.head<3>() = translation_mm;
-  values[3] = deg_from_rad(std::atan2(rotation(2, 1), rotation(2, 2)));
-  values[4] = deg_from_rad(std::atan2(-rotation(2, 0), std::hypot(rotation(2, 1), rotation(2, 2))));
-  values[5] = deg_from_rad(std::atan2(rotation(1, 0), rotation(0, 0)));
+  values.tail<3>() = rotation_angles_rad(RotationConvention::xyz_fixed, rotation) / kRadPerDeg;
   return values;
 }
 

@@ -39,7 +39,8 @@ class Frame {
 void add_frame_parameters(Parameters& parameters, const FrameDescription& frame, double reach_mm,
                           int rank, bool placement);
 
-// The six values of a rotation and a translation.
+// The six values of a rotation and a translation. Where ry is +-90 degrees, within 1e-8 rad, rx and
+// rz are indistinguishable: rz is 0 there.
 Eigen::Matrix<double, kFrameParameters, 1> frame_values(const Eigen::Matrix3d& rotation,
                                                         const Eigen::Vector3d& translation_mm);
 

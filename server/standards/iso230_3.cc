@@ -38,8 +38,33 @@ std::vector<DriftSample> samples_of(const std::vector<Approach>& visits) {
   return out;
 }
 
+// e at a time within the series, on the straight line between two visits. lacking() has refused
+// gaps that are too long for that.
+double e_at_nm(const std::vector<DriftSample>& samples, double time_s) {
+  const auto after = std::ranges::lower_bound(samples, time_s, {}, &DriftSample::time_s);
+  if (after->time_s == time_s) return after->e_nm;
+  const auto before = after - 1;
+  return std::lerp(before->e_nm, after->e_nm,
+                   (time_s - before->time_s) / (after->time_s - before->time_s));
+}
+
+// The visits, and e at the other end of each window that begins or ends on a visit: where e is
+// made of straight lines, its largest range in a window is between two of these.
+std::vector<DriftSample> with_edges(const std::vector<DriftSample>& visits, double window_s) {
+  auto samples = visits;
+  for (const auto& visit : visits)
+    for (const double edge_s : {visit.time_s - window_s, visit.time_s + window_s})
+      if (edge_s > visits.front().time_s && edge_s < visits.back().time_s)
+        samples.push_back({edge_s, e_at_nm(visits, edge_s)});
+  std::ranges::stable_sort(samples, {}, &DriftSample::time_s);
+  return samples;
+}
+
 // Largest range in any stretch of time of this length: one pass with the running extremes.
-DriftWindow worst_window(const std::vector<DriftSample>& samples, double minutes, double start_s) {
+DriftWindow worst_window(const std::vector<DriftSample>& visits, double minutes, double start_s) {
+  constexpr double kRounding_s = 1e-6;  // of an edge's time
+  const double window_s = minutes * 60;
+  const auto samples = with_edges(visits, window_s);
   DriftWindow out{minutes, 0, 0};
   std::deque<std::size_t> highest, lowest;  // falling and rising values of the present window
   std::size_t from = 0;
@@ -48,7 +73,7 @@ DriftWindow worst_window(const std::vector<DriftSample>& samples, double minutes
     while (!lowest.empty() && samples[lowest.back()].e_nm >= samples[i].e_nm) lowest.pop_back();
     highest.push_back(i);
     lowest.push_back(i);
-    for (; samples[i].time_s - samples[from].time_s > minutes * 60; ++from) {
+    for (; samples[i].time_s - samples[from].time_s > window_s + kRounding_s; ++from) {
       if (highest.front() == from) highest.pop_front();
       if (lowest.front() == from) lowest.pop_front();
     }
@@ -91,9 +116,8 @@ DriftSeries series_figures(const std::vector<Approach>& visits, const Iso2303Opt
   out.range_nm = high.e_nm - low.e_nm;
   out.at_end_nm = samples.back().e_nm;
   out.slope_nm_per_h = slope_nm_per_h(samples);
-  const auto hour = std::ranges::find_if(
-      samples, [&](const DriftSample& s) { return s.time_s >= samples.front().time_s + 3600; });
-  if (hour != samples.end()) out.after_60_min_nm = hour->e_nm;
+  if (const double hour_s = samples.front().time_s + 3600; hour_s <= samples.back().time_s)
+    out.after_60_min_nm = e_at_nm(samples, hour_s);
   for (const double minutes : options.windows_min)
     if (minutes / 60 <= out.duration_h)
       out.windows.push_back(worst_window(samples, minutes, start_s));

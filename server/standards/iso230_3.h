@@ -6,7 +6,8 @@
 // Of each series the deviation e(t) = measured - target - (the same at its first visit):
 //   range = max e - min e over the whole test; change after 60 min and at the end; slope by least
 //   squares in nm per hour; and for windows of given lengths the largest range within any window of
-//   that length: what a job of that length sees at worst.
+//   that length: what a job of that length sees at worst. Between two visits e is on the straight
+//   line: a window's edge and the 60 min seldom fall on a visit.
 // Sources: docs/standards.md.
 
 #include <string>

@@ -46,9 +46,13 @@ for (p in c(-4, 4)) {
   k <- cmd == p; e <- (x[k] - p) * 1e6; e <- e - e[1]; h <- t[k] / 3600
   n <- paste0(if (p < 0) "low" else "high", "_")
   say(f, paste0(n, "range"), diff(range(e))); say(f, paste0(n, "end"), e[length(e)])
-  say(f, paste0(n, "hour"), e[h >= h[1] + 1][1]); say(f, paste0(n, "slope"), unname(coef(lm(e ~ h))[2]))
-  for (w in c(15, 60, 240))
-    say(f, paste0(n, "window_", w), max(sapply(h, function(from) diff(range(e[h >= from & h <= from + w / 60 + 1e-9])))))
+  at <- function(s) approx(h, e, pmin(s, h[rounds]), ties = "ordered")$y # e(t) on straight lines between the visits
+  say(f, paste0(n, "hour"), at(h[1] + 1)); say(f, paste0(n, "slope"), unname(coef(lm(e ~ h))[2]))
+  for (w in c(15, 60, 240) / 60) { # windows that begin or end on a visit, cut off where the series ends
+    begins <- c(h, pmax(h - w, h[1]))
+    say(f, paste0(n, "window_", 60 * w),
+        max(sapply(begins, function(from) diff(range(at(from), at(from + w), e[h >= from - 1e-9 & h <= from + w + 1e-9])))))
+  }
 }
 
 # --- ISO 9283: five poses, thirty cycles, three axes and three rotations

@@ -369,6 +369,73 @@ TEST(GeometryModel, SaysWhereAnArmsToolIsInASingularPose) {
   }
 }
 
+// A tool axis that stands upright: ry is +-90 degrees, and only rz minus or plus rx shows.
+TEST(GeometryModel, SaysHowAnArmsToolIsTurnedWhereRyIsAQuarterTurn) {
+  const auto robot = ur10();
+  const auto snapshot = warm_snapshot(imported(robot));
+  for (const double sixth : {-std::numbers::pi / 2, std::numbers::pi / 2})
+    for (const double first : {-2.1, 0.3, 0.7, 1.9}) {
+      ForwardRequest request;
+      request.q_mm = {first, -1.2, 1.4, -0.2, std::numbers::pi / 2, sixth};
+      const auto pose = forward_pose(snapshot, request);
+      ASSERT_TRUE(pose) << pose.error().message;
+      const auto angle = [&](std::size_t k) { return pose->coordinates[k].value * kArcsec; };
+      EXPECT_NEAR(std::abs(angle(4)), std::numbers::pi / 2, 1e-8);
+      EXPECT_EQ(angle(5), 0);
+      const Matrix4d again =
+          tests::turn(2, angle(5)) * tests::turn(1, angle(4)) * tests::turn(0, angle(3));
+      const Matrix4d wanted = forward(robot, request.q_mm, kWarm_degC);
+      EXPECT_LT((again - wanted).topLeftCorner(3, 3).cwiseAbs().maxCoeff(), 1e-7) << first;
+    }
+}
+
+// u of x, y, z of an arm that is stretched out by 1 m along x, mm. Arcsec per kelvin that each
+// joint drifts by with the air, which was read or never.
+Vector3d u_stretched_out(const std::array<double, 3>& drifts_arcsec_per_k, bool air_is_read) {
+  auto robot = lifting_arm();
+  robot.links[1].a_mm = 600;
+  for (std::size_t j = 0; j < 3; ++j) {
+    if (drifts_arcsec_per_k[j] == 0) continue;
+    robot.links[j].errors.drift_channel = {"air", "degC"};
+    robot.links[j].errors.drift_arcsec_per_k = drifts_arcsec_per_k[j];
+  }
+  auto model = identified_arm(robot);
+  model.domain[0].max = 1200;
+  model.domain.push_back({{"air", "degC"}, 18, 24});
+  auto builder = serving(model);
+  const ChannelValue air{"air_degC", 21};  // the middle, which stands in for a missing one
+  if (air_is_read) builder.observe({&air, 1}, kBuilt);
+  ForwardRequest request;
+  request.q_mm = {0, 0, 0};
+  const auto pose = forward_pose(builder.build(kBuilt), request);
+  EXPECT_TRUE(pose) << pose.error().message;
+  return {pose->coordinates[0].u, pose->coordinates[1].u, pose->coordinates[2].u};
+}
+
+// Of a rectangle over the fitted range and half a percent on each side.
+const double kMissingAir_k = 1.01 * 6 / std::sqrt(12.0);
+
+TEST(GeometryModel, CountsAMissingThermometerOfAJointInTheUncertaintyOfAPose) {
+  const Vector3d read = u_stretched_out({14, 0, 0}, true);
+  const Vector3d missing = u_stretched_out({14, 0, 0}, false);
+  const double lever_times_turn_mm = 1000 * 14 * kArcsec * kMissingAir_k;
+  EXPECT_GT(lever_times_turn_mm, 2 * read.y()) << "else it would hardly show";
+  EXPECT_NEAR(missing.y(), std::hypot(read.y(), lever_times_turn_mm), 1e-6);
+  EXPECT_NEAR(missing.x(), read.x(), 1e-6);
+  EXPECT_NEAR(missing.z(), read.z(), 1e-6);
+}
+
+// The second joint lifts 1 m and the third 0.4 m, about parallel axes.
+TEST(GeometryModel, AddsTheTurnsOfAMissingThermometersJointsWithTheirSigns) {
+  for (const double third : {-35.0, 35.0}) {
+    const Vector3d read = u_stretched_out({0, 14, third}, true);
+    const Vector3d missing = u_stretched_out({0, 14, third}, false);
+    const double lifted_mm = (1000 * 14 + 400 * third) * kArcsec * kMissingAir_k;
+    EXPECT_NEAR(missing.z(), std::hypot(read.z(), lifted_mm), 1e-6) << third;
+    EXPECT_NEAR(missing.y(), read.y(), 1e-6) << third;
+  }
+}
+
 // Another solution of the same pose, within the limits, has nothing to say.
 TEST(GeometryModel, FlagsTheJointsAsStatedWhereTheyStandBeyondTheirLimits) {
   auto robot = bent_ur10();

@@ -61,6 +61,28 @@ TEST(RotationAngles, StandWhereTheMiddleAngleHidesTheOthers) {
       }
 }
 
+// A product of matrices has absolute errors of 1e-16, which divided by a cosine of 1e-11 would turn
+// the other two angles by seconds of arc.
+TEST(RotationAngles, GiveBackAMatrixThatWasRoundedBesideTheHiddenAngles) {
+  std::mt19937 random(231);
+  std::uniform_real_distribution<double> angle_rad(-3, 3);
+  for (const auto convention : kAll)
+    for (const double beside : {1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7})
+      for (int i = 0; i < 100; ++i) {
+        const double middle =
+            (convention == RotationConvention::zyz_moving ? 0 : kQuarterTurn) + beside;
+        const Matrix3d away = rotation_matrix(RotationConvention::xyz_fixed,
+                                              {angle_rad(random), 1.0, angle_rad(random)});
+        const Matrix3d exact =
+            rotation_matrix(convention, {angle_rad(random), middle, angle_rad(random)});
+        const Matrix3d rotation = away * (away.transpose() * exact);
+        const Matrix3d again =
+            rotation_matrix(convention, rotation_angles_rad(convention, rotation));
+        EXPECT_LT((again - rotation).cwiseAbs().maxCoeff(), 1e-7)
+            << to_string(convention) << ' ' << beside;
+      }
+}
+
 TEST(RotationConventions, AreFoundByTheirNames) {
   for (const auto convention : kAll)
     EXPECT_EQ(*rotation_convention(to_string(convention)), convention);

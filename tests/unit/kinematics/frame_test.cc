@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <utility>
 
 namespace driftwise::kinematics {
 namespace {
@@ -30,6 +31,19 @@ TEST(Frame, ValuesOfARotationGiveItBack) {
   const Eigen::VectorXd values = six(10, -20, 30, 25, -50, 140);
   const Frame frame(values);
   EXPECT_LT((frame_values(frame.rotation(), values.head<3>()) - values).norm(), 1e-12);
+}
+
+// Only rx - rz shows at a quarter turn up, rx + rz at one down. The detour rounds the zeros.
+TEST(Frame, ValuesOfARotationGiveItBackWhereRyIsAQuarterTurn) {
+  const Eigen::Matrix3d away =
+      Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  for (const auto& [ry_deg, rx_deg] : {std::pair(90.0, 10.0 - 40.0), std::pair(-90.0, 10 + 40.0)}) {
+    const Frame frame(six(1, 2, 3, 10, ry_deg, 40));
+    const Eigen::Matrix3d rotation = away * (away.transpose() * frame.rotation());
+    const Eigen::VectorXd values = frame_values(rotation, {1, 2, 3});
+    EXPECT_LT((values - six(1, 2, 3, rx_deg, ry_deg, 0)).norm(), 1e-6) << values.transpose();
+    EXPECT_LT((Frame(values).rotation() - frame.rotation()).cwiseAbs().maxCoeff(), 1e-7);
+  }
 }
 
 TEST(Frame, DerivativesAgreeWithDifferences) {

@@ -47,6 +47,37 @@ TEST(Iso2303, TakesAPositionAtRest) {
   EXPECT_NEAR(found->series[0].windows[1].range_nm, 36, 1e-6) << "60 min";
 }
 
+// A drift of 1000 nm/h, visited a little more slowly than a window divides.
+TEST(Iso2303, GivesARampsRangeWhereNoWindowEndsOnAVisit) {
+  std::vector<std::pair<double, double>> visits;
+  for (int i = 0; i < 50; ++i) visits.emplace_back(1, 1000 * 301.0 / 3600 * i);
+  auto data = visits_of(visits);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    data.time_s[row] = 301 * static_cast<double>(row);
+  const auto found = iso230_3(data, {});
+  ASSERT_TRUE(found) << found.error().message;
+  const DriftSeries& ramp = found->series.at(0);
+  ASSERT_EQ(ramp.windows.size(), 3U);
+  EXPECT_NEAR(ramp.windows[0].range_nm, 250, 1e-6);
+  EXPECT_NEAR(ramp.windows[1].range_nm, 1000, 1e-6);
+  EXPECT_NEAR(ramp.windows[2].range_nm, 4000, 1e-6);
+  EXPECT_NEAR(ramp.after_60_min_nm, 1000, 1e-6);
+}
+
+// Step of 1000 nm within the 400 s between two visits: a window of 5 min sees three quarters of it.
+TEST(Iso2303, GivesAStepsShareInAWindowShorterThanTheGapBetweenVisits) {
+  std::vector<std::pair<double, double>> visits;
+  for (int i = 0; i < 40; ++i) visits.emplace_back(1, i < 20 ? 0 : 1000);
+  auto data = visits_of(visits);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    data.time_s[row] = 400 * static_cast<double>(row);
+  const auto found = iso230_3(data, {.columns = {}, .windows_min = {5}});
+  ASSERT_TRUE(found) << found.error().message;
+  const DriftWindow& window = found->series.at(0).windows.at(0);
+  EXPECT_NEAR(window.range_nm, 750, 1e-6);
+  EXPECT_NEAR(window.from_h, 19.125 * 400 / 3600, 0.1251 * 400 / 3600);
+}
+
 // What `driftwise trajectory iso230-3 --at 1` has run: a return to zero before and after.
 TEST(Iso2303, KeepsTheFirstVisitOfARestAfterAReturnToZero) {
   std::vector<std::pair<double, double>> visits = {{0, 0}};
