@@ -5,6 +5,7 @@
 #include "server/calibration/linear/orthogonal_set.h"
 #include "server/calibration/linear/rank.h"
 #include "server/calibration/linear/row_reduction.h"
+#include "server/calibration/selection/selection_rule.h"
 #include "server/core/data/unusable_values.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
@@ -58,7 +59,7 @@ Result<void> look(const Dataset& dataset, const FitRequest& request, FormulaChec
   check.validation = design.validation;
   check.dropped = design.dropped;
   count_rank(design, check);
-  return {};
+  return calibration::check_options(options);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace driftwise::cli {
 namespace {
 
 struct FormulaArguments {
-  std::string formula, file;
+  std::string formula, file, select = "stepwise";
   std::vector<std::int64_t> runs;
   std::vector<std::string> exclude;
 };
@@ -57,6 +57,7 @@ ExitCode check_formula(const Session& session, const FormulaArguments& a) {
   if (!a.file.empty()) fit.set_csv(read_input_file(a.file));
   fit.set_formula(a.formula.starts_with('@') ? read_input_file(a.formula.substr(1)) : a.formula);
   for (const auto& symbol : a.exclude) fit.add_exclude_symbols(symbol);
+  fit.set_select(a.select);
   const auto check = session.connect().ask(&v1::ModelService::Stub::CheckFormula, request, 60);
   if (session.console.json)
     session.console.print_json(json_from(check));
@@ -81,6 +82,9 @@ void add_formula_commands(CLI::App& app, Session& session) {
   check.add_option("--run", a->runs, "a run at the daemon instead; repeatable")
       ->allow_extra_args(false)
       ->check(positive_number());
+  check.add_option("--select", a->select, "stepwise, or all: the fit that it is for")
+      ->check(CLI::IsMember({"stepwise", "all"}))
+      ->capture_default_str();
   check
       .add_option("--exclude", a->exclude,
                   "channels whose terms are left out, such as t01,t02; repeatable")

@@ -58,6 +58,15 @@ TEST(FormulaCheck, MarksThePlaceOfATypoAndStillSaysWhatThereIs) {
   EXPECT_EQ(check_of("q ~ x + ").problem_offset, 8u) << "at the end, where something is missing";
 }
 
+TEST(FormulaCheck, RefusesWhatTheFitRefuses) {
+  EXPECT_THAT(check_of("q ~ x - 1").problem, HasSubstr("only with --select all"));
+  EXPECT_THAT(check_of("q ~ x - 1").terms, ElementsAre("x"));
+  FitRequest all;
+  all.formula = "q ~ x - 1";
+  all.select = "all";
+  EXPECT_EQ(check_formula_on(three_values(), all).problem, "");
+}
+
 TEST(FormulaCheck, TakesAnythingThatIsTyped) {
   for (const char* text :
        {"", "~", "q", "q ~", "q ~ ((((", "q ~ lag(", "q ~ x^99", "q ~ x\n+ y", "\xff"})
