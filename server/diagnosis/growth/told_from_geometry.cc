@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "server/core/units.h"
 
@@ -111,10 +112,11 @@ bool ToldFromGeometry::turns_on_these_places(const Cause& cause, double period,
   return beyond.squaredNorm() >= kShareOfWave * wave.squaredNorm();
 }
 
-// Each row's coordinate as the rows at its place have it in the mean. Empty where the coordinate
-// has no places that lie much further apart than the rows at each of them.
-std::vector<double> ToldFromGeometry::places_of(std::span<const double> values,
-                                                double period) const {
+std::optional<ToldFromGeometry::Places> ToldFromGeometry::places_of(const Cause& cause,
+                                                                    double parameter) const {
+  const auto values = problem_.prepared.phase_values(cause.subject);
+  if (values.empty()) return std::nullopt;
+  const double period = cause.parameter == "period_nm" ? mm_from_nm(parameter) : parameter;
   std::vector<std::size_t> order = problem_.learn;
   std::ranges::sort(order, {}, [&](std::size_t row) { return values[row]; });
   std::vector<double> result(values.size(), 0);
@@ -130,19 +132,15 @@ std::vector<double> ToldFromGeometry::places_of(std::span<const double> values,
       result[order[i]] = sum / static_cast<double>(end - begin);
     begin = end;
   }
-  if (!(apart < kUnlimited) || apart < kFurtherApart * longest) return {};
-  return result;
+  if (!(apart < kUnlimited) || apart < kFurtherApart * longest) return std::nullopt;
+  return Places{{values.begin(), values.end()}, std::move(result), period};
 }
 
-bool ToldFromGeometry::goes_with_its_places(const Cause& cause, double period,
-                                            const Eigen::MatrixXd& columns,
+bool ToldFromGeometry::goes_with_its_places(const Places& where, const Eigen::MatrixXd& columns,
                                             const std::vector<std::size_t>& shape,
                                             const Ground& ground) const {
-  const double own = cause.parameter == "period_nm" ? mm_from_nm(period) : period;
-  const auto values = problem_.prepared.phase_values(cause.subject);
-  if (values.empty() || motors_ < 2) return true;
-  const auto places = places_of(values, own);
-  if (places.empty()) return true;
+  if (motors_ < 2) return true;
+  const auto& [values, places, own] = where;
   Eigen::MatrixXd there(static_cast<Eigen::Index>(places.size()), 2);
   double squares = 0;
   for (const std::size_t row : problem_.learn)
@@ -173,15 +171,10 @@ bool ToldFromGeometry::goes_with_its_places(const Cause& cause, double period,
 
 // Free values of the places against the wave. By evidence each value costs ln(1 + its share of what
 // they explain), the factor by which the data narrow it; and chance gives each 1.
-bool ToldFromGeometry::explains_its_places(const Cause& cause, double period,
-                                           const Eigen::MatrixXd& columns,
+bool ToldFromGeometry::explains_its_places(const Places& where, const Eigen::MatrixXd& columns,
                                            const std::vector<std::size_t>& shape,
                                            const Ground& ground) const {
-  const double own = cause.parameter == "period_nm" ? mm_from_nm(period) : period;
-  const auto values = problem_.prepared.phase_values(cause.subject);
-  if (values.empty()) return true;
-  const auto places = places_of(values, own);
-  if (places.empty()) return true;  // no places, or rows at each that are as far apart as they
+  const auto& [values, places, own] = where;
   std::vector<double> different;
   for (const std::size_t row : problem_.learn) different.push_back(places[row]);
   std::ranges::sort(different);
@@ -226,10 +219,12 @@ bool ToldFromGeometry::operator()(const Cause& cause, double parameter,
                                   const Eigen::MatrixXd& columns,
                                   const std::vector<std::size_t>& shape,
                                   const Ground& ground) const {
-  if (cause.id == "cyclic_error")
-    return turns_on_these_places(cause, parameter, columns) &&
-           goes_with_its_places(cause, parameter, columns, shape, ground) &&
-           explains_its_places(cause, parameter, columns, shape, ground);
+  if (cause.id == "cyclic_error") {
+    if (!turns_on_these_places(cause, parameter, columns)) return false;
+    const auto where = places_of(cause, parameter);
+    return !where || (goes_with_its_places(*where, columns, shape, ground) &&
+                      explains_its_places(*where, columns, shape, ground));
+  }
   if (cause.linear != LinearParameter::offset_mm && cause.linear != LinearParameter::angle_arcsec)
     return true;
   if (geometry_.cols() > geometry_.rows() / kFewestRowsPerMonomial) return true;

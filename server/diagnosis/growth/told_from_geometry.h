@@ -10,7 +10,7 @@
 // nothing that free values of the places would explain.
 
 #include <Eigen/Core>
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "server/diagnosis/catalogue/cause.h"
@@ -37,11 +37,18 @@ class ToldFromGeometry {
  private:
   bool turns_on_these_places(const Cause& cause, double period,
                              const Eigen::MatrixXd& columns) const;
-  std::vector<double> places_of(std::span<const double> values, double period) const;
-  bool goes_with_its_places(const Cause& cause, double period, const Eigen::MatrixXd& columns,
+  // Each row's coordinate as it is, and as the rows at its place have it in the mean, with the
+  // wave's period, all in the coordinate's unit.
+  struct Places {
+    std::vector<double> values, places;
+    double period = 0;
+  };
+  // Nothing where the cause has no coordinate, or this one no places that lie much further apart
+  // than the rows at each of them.
+  std::optional<Places> places_of(const Cause& cause, double parameter) const;
+  bool goes_with_its_places(const Places& where, const Eigen::MatrixXd& columns,
                             const std::vector<std::size_t>& shape, const Ground& ground) const;
-
-  bool explains_its_places(const Cause& cause, double period, const Eigen::MatrixXd& columns,
+  bool explains_its_places(const Places& where, const Eigen::MatrixXd& columns,
                            const std::vector<std::size_t>& shape, const Ground& ground) const;
 
   const Problem& problem_;
