@@ -7,6 +7,8 @@
 #include <condition_variable>
 #include <fstream>
 
+#include "server/core/force_to_disk.h"
+
 namespace driftwise {
 
 namespace fs = std::filesystem;
@@ -45,8 +47,11 @@ void KeptStopFile::remove() {
 void KeptStopFile::keep(const formats::KeptStop& stop) {
   const std::lock_guard lock(mutex_);
   std::ofstream file(path_, std::ios::binary | std::ios::trunc);
-  file << formats::write_kept_stop(stop) << std::flush;
-  if (file)
+  file << formats::write_kept_stop(stop);
+  file.close();
+  const bool kept = file && force_to_disk(path_.c_str());
+  if (kept) force_to_disk(path_.parent_path().c_str());
+  if (kept)
     spdlog::warn(
         "the record does not say that {} stopped the cell: {} says so to the next start, which "
         "moves "

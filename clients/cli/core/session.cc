@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "clients/cli/core/read_stream.h"
+#include "server/core/force_to_disk.h"
 
 namespace driftwise::cli {
 
@@ -123,8 +124,13 @@ void write_output_file(const std::string& path, const std::string& text,
   }
   const fs::path part = file.string() + ".part";
   auto why = write_to(part, text);
+  errno = 0;
+  if (why.empty() && !force_to_disk(part.c_str())) why = std::strerror(errno != 0 ? errno : EIO);
   if (why.empty() && std::rename(part.c_str(), file.c_str()) != 0) why = std::strerror(errno);
-  if (why.empty()) return;
+  if (why.empty()) {
+    force_to_disk(fs::absolute(file).parent_path().c_str());
+    return;
+  }
   fs::remove(part, ignored);
   throw cannot_write(path, why);
 }

@@ -247,6 +247,9 @@ TEST_F(StudyCommandsTest, AValidationFileThatCannotBeHeldBesideTheFirstIsRefused
   EXPECT_THAT(said(plain, other_unit), HasSubstr("x is in mm"));
   EXPECT_THAT(said(plain, untimed), HasSubstr("has time_s"));
   EXPECT_THAT(said(plain, plain), HasSubstr("row")) << "the same rows hold nothing out";
+  const std::string dead = rows_of("t02_degC,", ",", 0);
+  EXPECT_THAT(said(file("dead.csv", dead), file("copy.csv", dead)), HasSubstr("are rows of"))
+      << "also where a thermometer says nothing";
   // One datum where the other says none: they are the same.
   EXPECT_EQ(run({"fit", plain, "--model", "q ~ x", "--validation", datums}).exit, 0);
 }

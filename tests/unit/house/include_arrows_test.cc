@@ -152,7 +152,7 @@ const std::map<std::string, std::set<std::string>> kFixedArrows = {
     {"server/heap_upkeep.h", {"server/core"}},
     {"server/heap_upkeep.cc", {"server/heap_upkeep.h", "server/core"}},
     {"server/kept_stop_file.h", {"server/formats"}},
-    {"server/kept_stop_file.cc", {"server/kept_stop_file.h", "server/formats"}},
+    {"server/kept_stop_file.cc", {"server/kept_stop_file.h", "server/core", "server/formats"}},
     {"server/notice_file.h", {}},
     {"server/notice_file.cc", {"server/notice_file.h"}},
     {"server/start_warnings.h", {"server/core"}},

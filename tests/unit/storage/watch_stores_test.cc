@@ -142,8 +142,8 @@ TEST_F(WatchStoresTest, AnAlarmThatHoldsStandsInTheListHoweverManyNewerOnesAreOv
   for (int i = 0; i < 5; ++i) over.push_back(raise("run.failed", at_s(1).utc));
   const auto ids = [&](bool with_history, int limit) {
     std::vector<AlarmId> found;
-    for (const auto& alarm : store->alarms().alarms(with_history, limit).value())
-      found.push_back(alarm.id);
+    const auto alarms = store->alarms().alarms(with_history, limit).value();
+    for (const auto& alarm : alarms) found.push_back(alarm.id);
     return found;
   };
   EXPECT_EQ(ids(false, 3), (std::vector{over[4], over[3], holds})) << "newest first";

@@ -204,6 +204,13 @@ void keep_issued(const fs::path& folder, const std::string& name) {
   while (fs::exists(kept / (std::to_string(number) + ".pem"))) ++number;
   std::error_code failed;
   fs::copy_file(folder / (name + ".pem"), kept / (std::to_string(number) + ".pem"), failed);
+  if (!failed) return;
+  const std::string why = failed.message();
+  fs::remove(folder / (name + ".pem"), failed);
+  throw Failure{ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
+                "cannot keep a copy in " + kept.string() + ": " + why +
+                    "; the certificate was removed, for without its copy it could not be revoked "
+                    "once another one has its name"};
 }
 
 std::string text_of_file(const fs::path& path) {

@@ -7,6 +7,7 @@
 
 #include "clients/cli/core/console.h"
 #include "server/core/cell_time.h"
+#include "server/core/data/reading.h"
 #include "server/effects/effect.h"
 
 namespace driftwise::cli {
@@ -36,6 +37,8 @@ double time_shift_s(const Dataset& first, const Dataset& second) {
   return std::max(0.0, first.time_s.back() - second.time_s.front());
 }
 
+bool is_same(double a, double b) { return a == b || (is_missing(a) && is_missing(b)); }
+
 // A row of the second file that is one of the first, by its own time and every channel. Joined, it
 // has another time. Files that both say when they began are compared by that.
 void refuse_the_same_rows(const NamedData& first, const NamedData& second) {
@@ -49,7 +52,7 @@ void refuse_the_same_rows(const NamedData& first, const NamedData& second) {
     if (at == row_at.end()) continue;
     count += std::ranges::all_of(first.data.columns, [&](const DatasetColumn& column) {
       const auto* other = second.data.find(column.channel.symbol);
-      return other != nullptr && other->values[row] == column.values[at->second];
+      return other != nullptr && is_same(other->values[row], column.values[at->second]);
     });
   }
   if (count > 0)
