@@ -10,6 +10,7 @@ export default defineConfig({
   build: {
     target: 'es2022',
     assetsInlineLimit: 0, // the content security policy knows no data: addresses
+    cssCodeSplit: false, // one style sheet: a dozen small ones pack worse
     modulePreload: { polyfill: false },
     reportCompressedSize: false,
     rollupOptions: {

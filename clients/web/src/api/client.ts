@@ -1,6 +1,7 @@
 // One client per service, over gRPC-Web to where the page came from. Every call carries the operator's name, as the
 // command line sends it: plain when it is printable ASCII, in the -bin form otherwise (server/rpc/shared/caller.cc), and the
 // daemon's time that the page heard last: what moves is refused when that is long ago (server/rpc/shared/heard.h).
+import { effect } from '@preact/signals';
 import { Code, ConnectError, createClient, type Interceptor, type Transport } from '@connectrpc/connect';
 import { createGrpcWebTransport } from '@connectrpc/connect-web';
 import type { DescService } from '@bufbuild/protobuf';
@@ -9,6 +10,7 @@ import { DiagnosisService } from './gen/driftwise/v1/diagnosis_service_pb';
 import { RunService } from './gen/driftwise/v1/run_service_pb';
 import { WatchService } from './gen/driftwise/v1/watch_service_pb';
 import { operatorName, sessionLost } from '@/app/session';
+import { connection } from '@/live/connection';
 
 const base64 = (text: string) => btoa(String.fromCharCode(...new TextEncoder().encode(text))).replace(/=+$/, '');
 const printable = /^[\x20-\x7e]+$/;
@@ -38,6 +40,27 @@ const whoIsOut: Interceptor = (next) => async (request) => {
   } catch (error) {
     if (ConnectError.from(error).code === Code.Unauthenticated) void sessionLost();
     throw error;
+  }
+};
+
+// A call under way when the page is no longer live may hang on a connection that died: it fails, so that a question is asked
+// again and a command says that it was not answered. Stop is judged by its presses alone (app/stop.tsx).
+const underWay = new Set<(why: ConnectError) => void>();
+
+effect(() => {
+  if (connection.value.phase !== 'lost') return;
+  for (const fail of underWay) fail(new ConnectError('the page is no longer live', Code.Unavailable));
+});
+
+const endsWithTheLine: Interceptor = (next) => async (request) => {
+  if (request.stream || request.method === CellService.method.stopAll) return next(request);
+  let fail = (_: ConnectError): void => undefined;
+  const lost = new Promise<never>((_, failed) => (fail = failed));
+  underWay.add(fail);
+  try {
+    return await Promise.race([next(request), lost]);
+  } finally {
+    underWay.delete(fail);
   }
 };
 
@@ -81,7 +104,7 @@ export function useTransport(other: Transport): void {
 }
 
 function pageTransport(): Transport {
-  transport ??= createGrpcWebTransport({ baseUrl: location.origin, fetch: pageFetch, interceptors: [whoAsks, whoIsOut] });
+  transport ??= createGrpcWebTransport({ baseUrl: location.origin, fetch: pageFetch, interceptors: [whoAsks, whoIsOut, endsWithTheLine] });
   return transport;
 }
 

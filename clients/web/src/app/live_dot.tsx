@@ -2,7 +2,7 @@
 import { connection, serverTimeMs } from '@/live/connection';
 import { fixed } from '@/format/numbers';
 import { clock } from '@/format/time';
-import { cell, cellTimeMs } from '@/live/state';
+import { cell, cellTimeMs, isFast } from '@/live/state';
 import { Mark } from '@/ui/verdict';
 
 // Whole seconds of the cell, taken when the daemon's second changes: a fast cell's would flicker.
@@ -14,7 +14,7 @@ function cellSecond(): number | undefined {
 export function LiveDot() {
   const now = connection.value;
   const speed = cell.value?.speed || 1;
-  const fast = Math.abs(speed - 1) > 0.01;
+  const fast = isFast();
   return (
     <span class="bar-live" title={fast ? `The simulated cell's clock, which runs ${fixed(speed, speed < 10 ? 1 : 0)} times as fast as the wall's (${clock(serverTimeMs.value)})` : "The daemon's clock, from its heartbeat"}>
       {now.phase === 'live' && <><Mark kind="good" /><span class="strong note">Live</span> <span class="time note">{clock(fast ? cellSecond() : serverTimeMs.value)}</span></>}

@@ -2,9 +2,13 @@
 import { signal } from '@preact/signals';
 
 const said = signal('');
+let together: string[] = []; // of one task: the region would keep the last one alone
 
 export function say(sentence: string): void {
-  said.value = said.value === sentence ? `${sentence}\u00a0` : sentence; // the same again is said again
+  if (together.length === 0) queueMicrotask(() => void (together = []));
+  together.push(sentence);
+  const whole = together.join(' ');
+  said.value = said.value === whole ? `${whole}\u00a0` : whole; // the same again is said again
 }
 
 export function LiveRegion() {

@@ -42,11 +42,21 @@ export async function switchNotices(on: boolean): Promise<void> {
   notices.value = on && noticesRefused.value === undefined;
 }
 
-let last: Alarm | undefined;
+function notify(alarm: Alarm): void {
+  try {
+    new Notification(`${levelWords[alarm.level]}: ${alarm.subject}`, { body: alarm.message, tag: `alarm-${alarmKey(alarm)}`, renotify: true } as NotificationOptions);
+  } catch { // a browser of a phone: permission is given, and the constructor throws
+    notices.value = false;
+    noticesRefused.value = 'This browser shows no notifications of a page.';
+  }
+}
+
+let told: readonly Alarm[] = [];
 effect(() => {
-  const alarm = arrived.value;
-  if (!alarm || alarm === last) return;
-  last = alarm;
-  if (sound.peek()) play(alarm);
-  if (notices.peek()) new Notification(`${levelWords[alarm.level]}: ${alarm.subject}`, { body: alarm.message, tag: `alarm-${alarmKey(alarm)}`, renotify: true } as NotificationOptions);
+  const fresh = arrived.value.filter((alarm) => !told.includes(alarm));
+  told = arrived.value;
+  if (fresh.length === 0) return;
+  const worst = fresh.reduce((a, b) => (b.priority > a.priority ? b : a));
+  if (sound.peek()) play(worst);
+  for (const alarm of fresh) if (notices.peek()) notify(alarm);
 });

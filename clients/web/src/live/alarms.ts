@@ -18,8 +18,16 @@ export const levelWords: Record<Alarm_Level, string> = {
 // What the shell's one watcher knows (app/alarm_watch.tsx): lasting ones first, the worst first; undefined: nothing asked yet.
 export const standing = signal<Asked<Alarm[]> | undefined>(undefined);
 
-// The newest alarm that began to need a person while the page was open: app/live_region.tsx says it, live/alarm_signals.ts sounds it.
-export const arrived = signal<Alarm | undefined>(undefined);
+// Alarms that began to need a person while the page was open, the newest that came together: one fault raises several, and after a
+// break they are replayed at once. live/alarm_signals.ts sounds them.
+export const arrived = signal<readonly Alarm[]>([]);
+let together: readonly Alarm[] = [];
+
+function hand(alarm: Alarm): void {
+  if (together.length === 0) queueMicrotask(() => void (together = []));
+  together = [...together, alarm];
+  arrived.value = together;
+}
 
 // While the record takes nothing an alarm has no number yet: it is known by what it is of and since when, also once it has one.
 const occurrence = (alarm: Alarm): string => `${alarm.kind} ${alarm.subject} ${alarm.sinceTime?.seconds} ${alarm.sinceTime?.nanos}`;
@@ -50,7 +58,7 @@ export function useAlarms(): Asked<Alarm[]> {
       if (!told && beginsToNeed(alarm, old.find((one) => isSame(one, alarm)))) {
         told = true;
         say(`${levelWords[alarm.level]}: ${alarm.message}`);
-        arrived.value = alarm;
+        hand(alarm);
       }
       return [alarm, ...old.filter((one) => !isSame(one, alarm))].filter(stands);
     });

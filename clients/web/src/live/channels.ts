@@ -3,6 +3,7 @@
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
 import type { ChannelLayout, ChannelLayout_Column, ValuesUpdate } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { connection } from './connection';
+import { cell } from './state';
 
 export interface Channel {
   name: string; // "t07_degC"
@@ -28,6 +29,7 @@ let waiting: { values: number[]; measuredMs: number[] } | undefined;
 // on all the same.
 let heardMs = 0;
 let cellNowMs: number | undefined; // at the last batch
+let heardAt = 0; // performance.now() of it
 
 // How often cell time ran back by more than the jitter of a clock that is held right: what is in order of time begins anew.
 export const stepsBack = signal(0);
@@ -79,6 +81,7 @@ export function takeValues(update: ValuesUpdate, cellTimeMs: number): void {
 export function takeCellTime(ms: number): void {
   const passedMs = ms - (cellNowMs ?? ms);
   cellNowMs = ms;
+  heardAt = performance.now();
   heardMs += Math.max(0, passedMs);
   if (passedMs < -jitterMs) stepsBack.value++;
 }
@@ -86,6 +89,9 @@ export function takeCellTime(ms: number): void {
 export function resetCellTime(): void {
   cellNowMs = undefined;
 }
+
+// Cell time that passed unheard, by this computer's clock: while the page is not live, ages must not stand still.
+const unheardMs = (): number => (connection.peek().phase === 'lost' ? (performance.now() - heardAt) * (cell.peek()?.speed || 1) : 0);
 
 // Called by the painter. Ages grow with the daemon's clock even when no value comes.
 export function paintChannels(): void {
@@ -97,5 +103,6 @@ export function paintChannels(): void {
     }
     waiting = undefined;
   }
-  for (const one of all) one.ageS.value = Math.max(0, (heardMs - one.measuredMs) / 1000);
+  const nowMs = heardMs + unheardMs();
+  for (const one of all) one.ageS.value = Math.max(0, (nowMs - one.measuredMs) / 1000);
 }

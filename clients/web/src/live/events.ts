@@ -18,7 +18,12 @@ export function onEvents<K extends EventKind>(kind: K, listener: (value: EventOf
 
 export function announce(event: WatchEvent): void {
   if (event.event.case === undefined) return;
-  for (const listener of listeners.get(event.event.case) ?? []) listener(event.event.value as never, event);
+  for (const listener of listeners.get(event.event.case) ?? [])
+    try {
+      listener(event.event.value as never, event);
+    } catch (error) { // one listener's fault ends neither the stream nor what the others hear
+      console.error(error);
+    }
 }
 
 // The same in a component, for as long as it is on the page.

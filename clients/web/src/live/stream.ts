@@ -10,16 +10,15 @@ import { connection, serverTimeMs } from './connection';
 import { epoch, loadedAfresh } from './epoch';
 import { askForPaint, paintFirst } from './paint';
 import { closeGate, openGate } from './ready';
-import { progress } from './state';
+import { isFast, progress } from './state';
 import { takeBatch } from './take_batch';
-import { Tabs } from './tabs';
+import { Tabs, type TabMessage } from './tabs';
 
 const silenceMs = 3000;
 const kept = ['layout', 'cell', 'progress', 'values'] as const; // states that a new tab must be given, in this order
 
 let cursor = '';
 let heardAt = 0; // performance.now() of the last batch
-let heardClockMs: number | undefined; // Date.now() of it
 let lastBatch: WatchResponse | undefined;
 const states = new Map<string, WatchEvent>();
 
@@ -40,7 +39,6 @@ function takeWaiting(): void {
 function take(batch: WatchResponse): void {
   cursor = batch.cursor || cursor;
   heardAt = performance.now();
-  heardClockMs = Date.now();
   lastBatch = batch;
   heard(ms(batch.serverTime));
   for (const event of batch.events) {
@@ -64,15 +62,43 @@ function loadAfresh(): void {
   loadedAfresh.value = true;
 }
 
+// Only what is now: a tab would take an old state for a sign of life.
 function stateForNewTab(): WatchResponse | undefined {
-  if (!lastBatch || !states.has('layout')) return undefined;
+  if (!lastBatch || !states.has('layout') || connection.value.phase !== 'live') return undefined;
   const events = kept.flatMap((kind) => states.get(kind) ?? []).map((event) => create(WatchEventSchema, event));
   return { ...create(WatchResponseSchema), cursor, serverTime: lastBatch.serverTime, cellTime: lastBatch.cellTime, events };
 }
 
+// Stream of a follower's own, while it lacks batches: a tab that slept, or that the leader took for closed. It goes on from the own
+// cursor and ends where the leader's batches follow it again. Taking the lock instead would make the old leader miss them in turn.
+let own: AbortController | undefined;
+
+function endOwn(): void {
+  own?.abort();
+  own = undefined;
+}
+
+function follow(after: string, batch: WatchResponse): void {
+  if (after === cursor || (cursor === '' && !own)) {
+    endOwn();
+    take(batch);
+  } else if (!own) {
+    own = new AbortController();
+    void keepStreaming({ cursor: () => cursor, batch: take, afresh: loadAfresh }, own.signal);
+  }
+}
+
+function hear(message: TabMessage): void {
+  if (message.kind === 'batch') follow(message.after, message.batch);
+  if (message.kind === 'state') follow(message.batch.cursor, message.batch);
+  if (message.kind !== 'afresh') return;
+  endOwn();
+  loadAfresh();
+}
+
 function judge(): void {
   if (connection.value.phase !== 'lost' && performance.now() - heardAt > silenceMs) {
-    connection.value = { phase: 'lost', lastMs: heardClockMs };
+    connection.value = { phase: 'lost', lastMs: ms(isFast() ? lastBatch?.cellTime : lastBatch?.serverTime) };
   }
   askForPaint();
 }
@@ -84,13 +110,15 @@ export function startStream(): () => void {
   heardAt = performance.now();
   const judging = setInterval(judge, 500);
   const tabs: Tabs = new Tabs({
-    lead: (signal) =>
-      keepStreaming(
+    lead: (signal) => {
+      endOwn();
+      return keepStreaming(
         {
           cursor: () => cursor,
           batch: (batch) => {
+            const after = cursor;
             take(batch);
-            tabs.say({ kind: 'batch', batch });
+            tabs.say({ kind: 'batch', after, batch });
           },
           afresh: () => {
             loadAfresh();
@@ -98,17 +126,15 @@ export function startStream(): () => void {
           },
         },
         signal,
-      ),
-    hear: (message) => {
-      if (message.kind === 'afresh') loadAfresh();
-      else if (message.kind === 'state') states.has('layout') || take(message.batch);
-      else if (message.kind === 'batch') take(message.batch);
+      );
     },
+    hear,
     state: stateForNewTab,
   });
   tabs.start();
   return () => {
     clearInterval(judging);
     tabs.stop();
+    endOwn();
   };
 }

@@ -1,10 +1,10 @@
 // One stream for all tabs of this browser. Who holds the lock streams and repeats every batch on a BroadcastChannel; the
 // others listen. One whose leader has been silent for some seconds takes the lock away and goes on from its own cursor; the
-// old leader, when it wakes, notices that and listens too. Without locks (a page that is neither https nor loopback)
-// each tab streams by itself.
+// old leader, when it wakes, notices that and listens too. A batch names the cursor that it follows: a tab that slept sees
+// what it missed (live/stream.ts). Without locks (a page that is neither https nor loopback) each tab streams by itself.
 import type { WatchResponse } from '@/api/gen/driftwise/v1/watch_service_pb';
 
-const lockName = 'driftwise-stream';
+const lockName = 'driftwise-stream-2'; // counts the versions of the messages: tabs of an older page have a leader of their own
 const silentLeaderMs = 3500;
 const answersWithinMs = 3000; // to a new leader, by its followers
 
@@ -12,8 +12,8 @@ export type TabMessage =
   | { kind: 'hello'; from: string } // a new tab asks for the present state
   | { kind: 'here'; from: string } // a follower's answer to `leading`
   | { kind: 'bye'; from: string } // a follower that closes
-  | { kind: 'state'; batch: WatchResponse } // the answer to it
-  | { kind: 'batch'; batch: WatchResponse }
+  | { kind: 'state'; to: string; batch: WatchResponse } // the answer to both where the leader does not know the tab yet
+  | { kind: 'batch'; after: string; batch: WatchResponse } // after: the cursor that it follows
   | { kind: 'afresh' }
   | { kind: 'leading' }; // once a second, also while the daemon does not answer
 
@@ -80,16 +80,17 @@ export class Tabs {
 
   private heard(message: TabMessage): void {
     if (this.isLeader) {
-      if (message.kind === 'hello' || message.kind === 'here') this.followers.add(message.from);
       if (message.kind === 'bye') this.followers.delete(message.from);
-      const batch = message.kind === 'hello' ? this.role.state() : undefined;
-      if (batch) this.say({ kind: 'state', batch });
+      if (message.kind !== 'hello' && message.kind !== 'here') return;
+      const batch = message.kind === 'hello' || !this.followers.has(message.from) ? this.role.state() : undefined;
+      this.followers.add(message.from);
+      if (batch) this.say({ kind: 'state', to: message.from, batch });
       return;
     }
     if (message.kind === 'hello' || message.kind === 'here' || message.kind === 'bye') return;
     this.heardAt = performance.now();
     if (message.kind === 'leading') this.say({ kind: 'here', from: this.name });
-    this.role.hear(message);
+    if (message.kind !== 'state' || message.to === this.name) this.role.hear(message);
   }
 
   private everySecond(): void {

@@ -45,11 +45,11 @@ function broken(spec: PlotSpec): PlotSpec {
   return { ...spec, series: spec.series.map(gapped) };
 }
 
-// Those between the first and the last point of the plot.
+// Those between the first and the last point of the plot, or in the range that it shows at least.
 function within(spec: PlotSpec, marks: readonly PlotMark[]): PlotMark[] {
   const xs = spec.series.filter((one) => one.x.length > 0);
-  const from = Math.min(...xs.map((one) => one.x[0]));
-  const to = Math.max(...xs.map((one) => one.x[one.x.length - 1]));
+  const from = Math.min(spec.x.low ?? Infinity, ...xs.map((one) => one.x[0]));
+  const to = Math.max(spec.x.high ?? -Infinity, ...xs.map((one) => one.x[one.x.length - 1]));
   return marks.filter((mark) => mark.at >= from && mark.at <= to);
 }
 

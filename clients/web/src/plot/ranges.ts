@@ -8,8 +8,8 @@ export interface Range {
 }
 
 export function wholeRange(spec: PlotSpec): Range | undefined {
-  let from = Infinity;
-  let to = -Infinity;
+  let from = spec.x.low ?? Infinity;
+  let to = spec.x.high ?? -Infinity;
   for (const { x } of spec.series) {
     if (x.length === 0) continue;
     from = Math.min(from, x[0]);
@@ -70,7 +70,8 @@ export function yRange(spec: PlotSpec, axis: 'left' | 'right', range: Range): [n
   return axis === 'left' && low === 0 && high > 0 ? [0, padHigh] : [padLow, padHigh];
 }
 
-// Where no line series has anything: hatched. Runs of NaN between two values, common to all lines.
+// Where no line series has anything: hatched. Runs of NaN between two values, and what lies before the first and after the last one
+// where that is longer than a value holds; common to all lines.
 export function gapsOf(spec: PlotSpec): Range[] {
   const lines = spec.series.filter((one) => one.draw !== 'markers');
   let common: Range[] | undefined;
@@ -82,9 +83,17 @@ export function gapsOf(spec: PlotSpec): Range[] {
       if (last >= 0 && i > last + 1) gaps.push({ from: one.x[last], to: one.x[i] });
       last = i;
     }
+    gaps.push(...atEnds(one, spec.x, last));
     common = common === undefined ? gaps : overlap(common, gaps);
   }
   return [...(common ?? []), ...(spec.spans ?? []).filter((span) => span.kind === 'gap')];
+}
+
+// last: the index of the last value; -1: the series has none.
+function atEnds(one: PlotSeries, { low = NaN, high = NaN }: PlotSpec['x'], last: number): Range[] {
+  const first = Array.prototype.findIndex.call(one.y, Number.isFinite);
+  const ends = last < 0 ? [{ from: low, to: high }] : [{ from: low, to: one.x[first] }, { from: one.x[last], to: high }];
+  return ends.filter(({ from, to }) => to - from > (one.holds ?? Infinity));
 }
 
 function overlap(a: readonly Range[], b: readonly Range[]): Range[] {

@@ -19,6 +19,7 @@ export interface PlotSeries {
   marker?: Marker; // with markers; absent: dot
   axis?: 'left' | 'right';
   digits?: number; // in legend and table; absent: by the unit
+  holds?: number; // in the unit of x, of a channel: a value stands for so long, beyond it nothing is known; absent: no limit
   ofPoints?: boolean; // a value for each point of a run: the line ends at a stop or pause
   quiet?: boolean; // one of many: thin, and grey while another one is pointed at in the key
   dash?: readonly number[]; // px, of a line: tells many of few colours apart
@@ -63,6 +64,8 @@ export interface PlotSpec {
     sinceFirstRow?: boolean; // x is hours since the first row of a data set: the page gives the marks of its runs
     whole?: boolean; // counts: ticks at whole numbers only
     clock?: boolean; // ticks as time of day; startMs is then a local midnight
+    low?: number; // at least this range is shown, whatever was measured in it
+    high?: number;
   };
   y: {
     unit: string;

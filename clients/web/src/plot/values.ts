@@ -9,9 +9,12 @@ import type { PlotSeries, PlotSpec } from './spec';
 export const digitsOf = (one: PlotSeries): number => one.digits ?? liveDigits(one.unit);
 export const withUnit = (text: string, unit: string): string => (unit && unit !== '1' ? `${text}\u00a0${unitSign(unit)}` : text);
 
+// Of the instant nearest to x; nothing where no line is drawn and that value no longer holds.
 export function valueAt(one: PlotSeries, x: number | undefined): string {
   const at = x === undefined ? one.x.length - 1 : nearest(one.x, x);
-  return withUnit(fixed(at < 0 ? NaN : one.y[at], digitsOf(one)), one.unit);
+  const away = x === undefined || at < 0 ? 0 : x - one.x[at];
+  const isKnown = Number.isFinite(one.y[at + Math.sign(away)]) || Math.abs(away) <= (one.holds ?? Infinity);
+  return withUnit(fixed(isKnown ? one.y[at] : NaN, digitsOf(one)), one.unit);
 }
 
 export function cursorText(spec: PlotSpec, x: number): string {

@@ -15,7 +15,7 @@ export interface Asked<T> {
 }
 
 // question: everything that it depends on, as text; undefined asks nothing. Asks anew when the page loads afresh, and when it becomes
-// live again after an answer that failed.
+// live again after an answer that failed, or that was asked for meanwhile and is not there.
 export function useAsked<T>(question: string | undefined, ask: (signal: AbortSignal) => Promise<T>): Asked<T> {
   const [state, setState] = useState<{ key?: string; value?: T; failure?: Failure; waiting: boolean }>({ waiting: true });
   const [turn, setTurn] = useState(0);
@@ -28,6 +28,7 @@ export function useAsked<T>(question: string | undefined, ask: (signal: AbortSig
   const timesLive = useRef(0); // how often the page became live
   const failed = useRef(false);
   failed.current = state.failure !== undefined && !state.waiting;
+  const hangs = useRef(false); // asked while the page was not live: perhaps on a connection that died, which brings no answer
   const refused = useRef(false); // and nothing is known: news of it mean that it is there by now
   refused.current = failed.current && state.value === undefined;
   const again = useCallback(() => {
@@ -37,16 +38,18 @@ export function useAsked<T>(question: string | undefined, ask: (signal: AbortSig
   useEffect(() => {
     if (!live) return;
     timesLive.current++;
-    if (failed.current) again();
+    if (failed.current || hangs.current) again();
   }, [live]);
   useEffect(() => {
     meanwhile.current = undefined;
+    hangs.current = false;
     if (key === undefined) {
       setState({ waiting: false });
       return;
     }
     const abort = new AbortController();
     const askedAt = timesLive.current;
+    hangs.current = connection.peek().phase === 'lost';
     const changes: ((before: T) => T)[] = (meanwhile.current = []);
     setState((old) => (old.key === key ? { ...old, waiting: true } : { key, waiting: true }));
     streamBegun()
@@ -55,11 +58,13 @@ export function useAsked<T>(question: string | undefined, ask: (signal: AbortSig
         (value) => {
           if (abort.signal.aborted) return;
           meanwhile.current = undefined;
+          hangs.current = false;
           setState({ key, value: changes.reduce((old, change) => change(old), value), waiting: false });
         },
         (error) => {
           if (abort.signal.aborted || wasCancelled(error)) return;
           meanwhile.current = undefined;
+          hangs.current = false;
           setState((old) => ({ ...old, key, failure: failureOf(error), waiting: false }));
           if (timesLive.current !== askedAt || changes.length > 0) again(); // it was asked before the page became live, or before there was any
         },

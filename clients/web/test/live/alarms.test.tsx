@@ -8,7 +8,7 @@ import { Alarm_Level, AlarmSchema, WatchEventSchema, WatchService, type Alarm } 
 import { AlarmWatch } from '@/app/alarm_watch';
 import { arrived, standing } from '@/live/alarms';
 import { connection } from '@/live/connection';
-import { announce } from '@/live/events';
+import { announce, onEvents } from '@/live/events';
 import { AlarmList, WallAlarms } from '@/views/now/alarm_list';
 import { at } from '../fake/cell';
 
@@ -44,7 +44,7 @@ it('shows an alarm that is not on record once, until it is over, and lets nobody
   let asked = 0;
   useTransport(createRouterTransport(({ service }) => service(WatchService, { listAlarms: () => (++asked, { alarms: [] }) })));
   connection.value = { phase: 'live' };
-  arrived.value = undefined;
+  arrived.value = [];
   render(<><AlarmWatch /><AlarmList /></>);
   await waitFor(() => expect(standing.value?.value).toEqual([]));
   tell(onFullDisk('laser-x'));
@@ -52,11 +52,11 @@ it('shows an alarm that is not on record once, until it is over, and lets nobody
   await waitFor(() => expect(lines()).toHaveLength(2));
   expect(screen.queryByRole('button', { name: /Acknowledge/ })).toBeNull();
   expect(screen.getAllByText(/not on record yet/)).toHaveLength(2);
-  expect((arrived.value as Alarm | undefined)?.subject).toBe('laser-y');
+  expect(arrived.value.at(-1)?.subject).toBe('laser-y');
   tell(onFullDisk('laser-x', { id: 7n }));
   await waitFor(() => expect(screen.getAllByRole('button', { name: /^Acknowledge: / })).toHaveLength(1));
   expect(lines()).toHaveLength(2);
-  expect((arrived.value as Alarm | undefined)?.subject).toBe('laser-y'); // it is no new one
+  expect(arrived.value.at(-1)?.subject).toBe('laser-y'); // it is no new one
   tell(onFullDisk('laser-y', { clearedTime: at(2) }));
   await waitFor(() => expect(lines().find((line) => line?.includes('laser-y'))).toContain('over'));
   expect(lines()).toHaveLength(2);
@@ -65,6 +65,28 @@ it('shows an alarm that is not on record once, until it is over, and lets nobody
   act(() => void (connection.value = { phase: 'live' }));
   await waitFor(() => expect(asked).toBe(2));
   await waitFor(() => expect(lines()).toHaveLength(0));
+});
+
+it.each([['the list', AlarmList], ['the wall', WallAlarms]])('says in %s that the alarms are awaited, until they are there', async (_, List) => {
+  standing.value = { waiting: true, again: () => undefined, set: () => undefined };
+  render(<List />);
+  expect(await screen.findByText(/Waiting for the alarms/)).toBeTruthy();
+  act(() => void (standing.value = { value: [], waiting: false, again: () => undefined, set: () => undefined }));
+  await waitFor(() => expect(screen.queryByText(/Waiting for the alarms/)).toBeNull());
+  standing.value = undefined;
+});
+
+it('goes on though one listener fails', () => {
+  const told = vi.spyOn(console, 'error').mockImplementation(() => undefined);
+  const heard: bigint[] = [];
+  const ends = [onEvents('alarm', () => {
+    throw new TypeError('Illegal constructor');
+  }), onEvents('alarm', (alarm) => heard.push(alarm.id))];
+  announce(create(WatchEventSchema, { event: { case: 'alarm', value: lost } }));
+  expect(heard).toEqual([lost.id]);
+  expect(told).toHaveBeenCalledTimes(1);
+  ends.forEach((end) => end());
+  told.mockRestore();
 });
 
 it.each([['the list', AlarmList], ['the wall', WallAlarms]])('shows in %s what is known beside the question that failed', (_, List) => {

@@ -1,8 +1,10 @@
 import { create } from '@bufbuild/protobuf';
-import { beforeEach, describe, expect, it } from 'vitest';
+import { beforeEach, describe, expect, it, vi } from 'vitest';
+import { GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { ChannelLayoutSchema, ValuesUpdateSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { channel, onValues, paintChannels, resetCellTime, takeCellTime, takeLayout, takeValues } from '@/live/channels';
 import { connection } from '@/live/connection';
+import { cell } from '@/live/state';
 
 const second = 1000;
 const layoutOf = (revision: bigint, ...names: string[]) =>
@@ -51,6 +53,20 @@ describe('a channel', () => {
     expect(channel('t02_degC')!.stale.value).toBe(true);
     connection.value = { phase: 'lost', lastMs: 0 };
     expect(channel('t01_degC')!.stale.value).toBe(true);
+  });
+  it.each([['', 1, 3000.2], [', at the speed of its cell', 10, 30_000.2]])('goes on ageing while the page is not live%s', (_, speed, ageS) => {
+    const clock = vi.spyOn(performance, 'now').mockReturnValue(0);
+    cell.value = create(GetStatusResponseSchema, { speed });
+    take(100 * second, [21.5, 22], [200n, 0n]);
+    clock.mockReturnValue(400);
+    paintChannels();
+    expect(channel('t01_degC')!.ageS.value).toBe(0.2); // live: the daemon's clock alone
+    connection.value = { phase: 'lost', lastMs: 0 };
+    clock.mockReturnValue(3000 * second);
+    paintChannels();
+    expect(channel('t01_degC')!.ageS.value).toBe(ageS);
+    cell.value = undefined;
+    clock.mockRestore();
   });
   it('is heard with every update, though only the last before a painting is shown', () => {
     const heard: unknown[] = [];

@@ -93,7 +93,7 @@ describe('tabs of one browser', () => {
     const second = new Tab('second');
     expect([first.led, second.led]).toEqual([1, 0]);
     expect(second.heard).toContain('state');
-    first.tabs.say({ kind: 'batch', batch: first.batch() });
+    first.tabs.say({ kind: 'batch', after: '', batch: first.batch() });
     expect(second.heard).toContain('batch');
   });
   it('copy no batch for nobody: not before another tab is there, nor after the last one has closed', async () => {
@@ -101,13 +101,13 @@ describe('tabs of one browser', () => {
     await vi.advanceTimersByTimeAsync(5000);
     const posted = vi.spyOn(FakeChannel.prototype, 'postMessage');
     const batches = () => posted.mock.calls.filter(([message]) => message.kind === 'batch').length;
-    first.tabs.say({ kind: 'batch', batch: first.batch() });
+    first.tabs.say({ kind: 'batch', after: '', batch: first.batch() });
     expect(batches()).toBe(0);
     const second = new Tab('second');
-    first.tabs.say({ kind: 'batch', batch: first.batch() });
+    first.tabs.say({ kind: 'batch', after: '', batch: first.batch() });
     expect(batches()).toBe(1);
     second.tabs.stop();
-    first.tabs.say({ kind: 'batch', batch: first.batch() });
+    first.tabs.say({ kind: 'batch', after: '', batch: first.batch() });
     expect(batches()).toBe(1);
     posted.mockRestore();
   });
@@ -118,8 +118,22 @@ describe('tabs of one browser', () => {
     first.stop!();
     await vi.advanceTimersByTimeAsync(60_000);
     third.heard.length = 0;
-    second.tabs.say({ kind: 'batch', batch: second.batch() });
+    second.tabs.say({ kind: 'batch', after: '', batch: second.batch() });
     expect([second.tabs.isLeader, third.heard]).toEqual([true, ['batch']]);
+  });
+  it('give a leader that was put to sleep the present state when it wakes, and no other tab', async () => {
+    const first = new Tab('first');
+    const second = new Tab('second');
+    const third = new Tab('third');
+    const say = vi.spyOn(first.tabs, 'say').mockImplementation(() => undefined); // it sleeps
+    await vi.advanceTimersByTimeAsync(6000);
+    const [leader, other] = second.tabs.isLeader ? [second, third] : [third, second];
+    expect(leader.tabs.isLeader).toBe(true);
+    first.heard.length = other.heard.length = 0;
+    say.mockRestore();
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(first.heard).toContain('state');
+    expect(other.heard).not.toContain('state');
   });
   it('go on with the next when the leader is closed', async () => {
     const first = new Tab('first');

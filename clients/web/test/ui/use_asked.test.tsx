@@ -37,6 +37,15 @@ it('asks again when the page became live while the answer that failed was on its
   expect(ask).toHaveBeenCalledTimes(2);
 });
 
+it('asks again on a live page what was asked while it was not, and hangs', async () => {
+  connection.value = { phase: 'lost', lastMs: 0 };
+  ask.mockReturnValueOnce(new Promise(() => undefined)).mockResolvedValue('the list');
+  render(<List />);
+  await vi.waitFor(() => expect(ask).toHaveBeenCalledTimes(1));
+  act(() => void (connection.value = { phase: 'live' }));
+  expect(await screen.findByText('the list')).toBeTruthy();
+});
+
 it('does not ask again for what it has, nor more than once for what fails again', async () => {
   ask.mockResolvedValueOnce('the list').mockRejectedValue(new Error('refused'));
   const { unmount } = render(<List />);

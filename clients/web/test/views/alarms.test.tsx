@@ -2,13 +2,15 @@
 import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
 import type { Transport } from '@connectrpc/connect';
 import { create } from '@bufbuild/protobuf';
+import { batch } from '@preact/signals';
 import { afterAll, beforeAll, beforeEach, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
-import { Alarm_Level, AlarmSchema, WatchEventSchema, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { Alarm_Level, Alarm_Priority, AlarmSchema, WatchEventSchema, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { pageTitle } from '@/app/page_title';
 import { go } from '@/app/router';
 import { setOperatorName } from '@/app/session';
 import { helpOpen } from '@/app/keys';
+import { notices, noticesRefused, switchNotices, switchSound } from '@/live/alarm_signals';
 import { arrived, standing } from '@/live/alarms';
 import { AlarmList } from '@/views/now/alarm_list';
 import { Shell } from '@/app/shell';
@@ -41,12 +43,12 @@ function counting(inner: Transport): Transport {
 
 let endStream: () => void;
 beforeAll(() => {
-  vi.stubGlobal('scrollTo', () => undefined);
   useTransport(counting(fakeDaemon({ alarms: [warm, late, lost] })));
   endStream = startStream();
 });
 afterAll(() => endStream());
 beforeEach(() => {
+  vi.stubGlobal('scrollTo', () => undefined);
   acknowledged.length = 0;
   setOperatorName('Anna');
 });
@@ -138,11 +140,53 @@ it('hands a new alarm to sound and notification once, and none that is shelved',
   await screen.findByText(/Laser x does not answer/, { selector: 'li p' }); // the list is there
   const fresh = alarm(9n, Alarm_Level.FAILED, 'Laser z does not answer.');
   arrives(fresh);
-  await waitFor(() => expect(arrived.value?.id).toBe(9n));
+  await waitFor(() => expect(arrived.value.at(-1)?.id).toBe(9n));
   arrives({ ...alarm(10n, Alarm_Level.FAILED, 'Axis is away.'), shelvedUntilTime: at(7200) });
   fireEvent.click(await screen.findByRole('button', { name: /more that are over or shelved/ }));
   await screen.findByText(/Axis is away/, { selector: 'li p' });
-  expect(arrived.value?.id).toBe(9n);
+  expect(arrived.value.at(-1)?.id).toBe(9n);
+});
+
+it('notifies of each alarm of one batch, says all of them, and sounds the worst', async () => {
+  const shown: string[] = [];
+  vi.stubGlobal('Notification', Object.assign(function (this: unknown, _title: string, options: NotificationOptions) {
+    shown.push(options.body ?? '');
+  }, { requestPermission: async () => 'granted' }));
+  let tones = 0;
+  const part = { connect: () => part, start: () => void tones++, stop: () => undefined, frequency: {}, gain: { setValueAtTime: () => undefined, linearRampToValueAtTime: () => undefined } };
+  vi.stubGlobal('AudioContext', class {
+    currentTime = 0;
+    resume = async () => undefined;
+    createOscillator = () => part;
+    createGain = () => part;
+  });
+  await switchNotices(true);
+  await switchSound(true);
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  await screen.findByText(/Laser x does not answer/, { selector: 'li p' }); // the list is there
+  batch(() => {
+    arrives({ ...alarm(31n, Alarm_Level.FAILED, 'Axis q1 is lost.'), priority: Alarm_Priority.CRITICAL });
+    arrives({ ...alarm(32n, Alarm_Level.FAILED, 'The room is warm.'), priority: Alarm_Priority.LOW });
+  });
+  await waitFor(() => expect(shown).toEqual(['Axis q1 is lost.', 'The room is warm.']));
+  expect(document.querySelector('[aria-live=polite]')!.textContent).toBe('Failed: Axis q1 is lost. Failed: The room is warm.');
+  expect(tones).toBe(2 * (Alarm_Priority.CRITICAL - Alarm_Priority.LOW));
+  await switchSound(false);
+  await switchNotices(false);
+  vi.unstubAllGlobals();
+});
+
+it('says so where the browser has the permission and no notifications', async () => {
+  vi.stubGlobal('Notification', Object.assign(function () {
+    throw new TypeError('Illegal constructor');
+  }, { requestPermission: async () => 'granted' }));
+  await switchNotices(true);
+  arrived.value = [alarm(41n, Alarm_Level.FAILED, 'Axis q1 is lost.')];
+  expect(notices.value).toBe(false);
+  expect(noticesRefused.value).toBe('This browser shows no notifications of a page.');
+  vi.unstubAllGlobals();
 });
 
 it('hands over an alarm that becomes worse, and one whose shelf ended', async () => {
@@ -152,7 +196,7 @@ it('hands over an alarm that becomes worse, and one whose shelf ended', async ()
   await screen.findByText(/Scanner answered late/, { selector: 'li p' }); // the list is there
   const told = async (one: Alarm) => {
     arrives(one);
-    await waitFor(() => expect(arrived.value?.message).toBe(one.message));
+    await waitFor(() => expect(arrived.value.at(-1)?.message).toBe(one.message));
   };
   const silent = async (one: Alarm) => {
     const before = arrived.value;

@@ -25,18 +25,21 @@ const begun = vi.fn();
 const signs = vi.fn();
 const ended = vi.fn();
 let lose = false; // the answers to signs of life
+let silent: string[] = []; // calls that get no answer at all
 const jog = (over: boolean) => ({ id: 7n, over, released: over, endReason: over ? 'let go' : '', positions: [{ channel: 'q1_mm', positionMm: 1.25 }], stepCount: 3n });
 
+const answer = <T,>(call: string, value: T): T | Promise<T> => (silent.includes(call) ? new Promise<T>(() => undefined) : value);
+
 const daemon = () => createRouterTransport(({ service }) => {
-  service(CellService, { takeLease: () => ({ lease: { token: 'mine' } }), giveUpLease: () => ({}), getStabiliser: () => ({ settledBandK: 0.02 }) });
+  service(CellService, { takeLease: () => answer('takeLease', { lease: { token: 'mine' } }), giveUpLease: () => ({}), getStabiliser: () => ({ settledBandK: 0.02 }) });
   service(CommissioningService, {
-    beginJog: (request) => (begun(request.channel, request.stepMm, request.held), { jog: jog(false) }),
+    beginJog: (request) => (begun(request.channel, request.stepMm, request.held), answer('beginJog', { jog: jog(false) })),
     holdJog: () => {
       signs();
       if (lose) throw new ConnectError('reset', Code.Unavailable);
-      return { jog: jog(false) };
+      return answer('holdJog', { jog: jog(false) });
     },
-    endJog: () => (ended(), { jog: jog(true) }),
+    endJog: () => (ended(), answer('endJog', { jog: jog(true) })),
     checkCell: () => ({
       verdict: CheckVerdict.BAD,
       items: [{ deviceId: 'laser-x', asked: 'light level', found: '12 %', expected: 'at least 30 %', verdict: CheckVerdict.WARNING, advice: 'align beam and mirror' }],
@@ -56,6 +59,7 @@ const daemon = () => createRouterTransport(({ service }) => {
 beforeEach(() => {
   vi.clearAllMocks();
   lose = false;
+  silent = [];
   operatorName.value = 'Anna';
   useTransport(daemon());
   connection.value = { phase: 'live' };
@@ -84,6 +88,26 @@ describe('positions', () => {
     valuesOf(-2);
     expect(await screen.findByText('−2.000000 mm')).toBeTruthy();
     expect(screen.queryByText('1.250000 mm')).toBeNull();
+  });
+  it('of a movement are hatched when no answer has followed for a second', async () => {
+    render(<Manual />);
+    const hold = await button();
+    silent = ['holdJog'];
+    vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout'] });
+    try {
+      const pass = (ms: number) => act(async () => void (await vi.advanceTimersByTimeAsync(ms)));
+      pointer(hold, 'pointerdown');
+      await vi.waitUntil(async () => (await pass(5), screen.queryByText('1.250000 mm')));
+      await pass(900);
+      expect(screen.getByText('1.250000 mm').classList.contains('stale')).toBe(false);
+      await pass(110); // the sign is given up 100 ms after that
+      expect(screen.getByText('1.250000 mm').classList.contains('stale')).toBe(true);
+      await pass(1000);
+      expect(screen.getByText(/The daemon did not answer within 1 s/)).toBeTruthy();
+      pointer(hold, 'pointerup');
+    } finally {
+      vi.useRealTimers();
+    }
   });
   it('are hatched when they are stale', async () => {
     valuesOf(1);
@@ -124,6 +148,36 @@ describe('a held button', () => {
     const before = ended.mock.calls.length;
     unmount();
     await vi.waitFor(() => expect(ended.mock.calls.length).toBeGreaterThan(before));
+  });
+  it.each(['takeLease', 'beginJog', 'holdJog', 'endJog'])('is given up when %s is not answered within a second, and moves again after that', async (call) => {
+    silent = [call];
+    render(<Manual />);
+    pointer(await button(), 'pointerdown');
+    if (call === 'endJog') {
+      await vi.waitFor(() => expect(signs).toHaveBeenCalled());
+      pointer(await button(), 'pointerup');
+    }
+    expect(await screen.findByText(/The daemon did not answer within 1 s/, {}, { timeout: 4000 })).toBeTruthy();
+    pointer(await button(), 'pointerup');
+    silent = [];
+    const before = signs.mock.calls.length;
+    pointer(await button(), 'pointerdown');
+    await vi.waitFor(() => expect(signs.mock.calls.length).toBeGreaterThan(before));
+    expect(screen.queryByText(/The daemon did not answer/)).toBeNull();
+    pointer(await button(), 'pointerup');
+    expect(await screen.findByText('3 steps: let go')).toBeTruthy();
+  });
+  it('says so when it is pressed again before the last movement was answered', async () => {
+    silent = ['holdJog'];
+    render(<Manual />);
+    pointer(await button(), 'pointerdown');
+    await vi.waitFor(() => expect(signs).toHaveBeenCalled());
+    pointer(await button(), 'pointerup');
+    pointer(await button(), 'pointerdown');
+    expect(await screen.findByText('The last movement has not been answered yet.')).toBeTruthy();
+    expect(begun).toHaveBeenCalledTimes(1);
+    await screen.findByText(/The daemon did not answer within 1 s/, {}, { timeout: 4000 });
+    expect(screen.queryByText(/has not been answered yet/)).toBeNull();
   });
   it('does nothing while the page is not live', async () => {
     connection.value = { phase: 'lost', sinceMs: 0 } as never;

@@ -8,9 +8,11 @@ import { EventSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { PlanService } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { WatchEventSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { operatorName } from '@/app/session';
+import { timestampOf } from '@/format/time';
 import { go } from '@/app/router';
 import { connection } from '@/live/connection';
 import { announce } from '@/live/events';
+import { cellTimeMs } from '@/live/state';
 import { ConfirmDialog } from '@/ui/confirm';
 import { jointPoseTyped } from '@/views/plans/words';
 import Plans from '@/views/plans/view';
@@ -86,6 +88,44 @@ describe('serving plans', () => {
     fireEvent.click(screen.getByRole('button', { name: 'Ask' }));
     expect(await screen.findByText(/0.500 of model 11, the rest of model 10/)).toBeTruthy();
     expect(screen.getByText('ma.rx_arcsec=100')).toBeTruthy();
+  });
+  describe('a joint target', () => {
+    const startMs = Date.UTC(2026, 4, 15, 18);
+    let serving = 1n;
+    const joint = () => createRouterTransport(({ service }) => service(PlanService, {
+      listPlans: () => ({ plans: [1n, 2n].map((id) => ({ id, name: 'joint', version: Number(id), serves: id === serving })) }),
+      getPlan: () => ({}),
+      computeJointTarget: ({ pose }) => ({ target: { coordinates: [{ channel: 'mn.q1_mm', positionMm: pose[0].value }], conditionsTime: timestampOf(startMs), validUntilTime: timestampOf(startMs + 60_000) } }),
+    }));
+    const type = async (value: string) => fireEvent.input(await screen.findByLabelText(/Wanted pose/), { target: { value } });
+    const shown = () => screen.queryByText('1.2500000');
+    beforeEach(async () => {
+      serving = 1n;
+      cellTimeMs.value = startMs + 1000;
+      useTransport(joint());
+      render(<Plans />);
+      await type('mn.x=1.25');
+      fireEvent.click(screen.getByRole('button', { name: 'Ask' }));
+      await screen.findByText('1.2500000');
+    });
+    it('is not shown under another pose than it was asked for', async () => {
+      await type('mn.x=1.5');
+      expect(shown()).toBeNull();
+      await type('mn.x=1.25');
+      expect(shown()).toBeTruthy();
+    });
+    it('says of when it is and how long it is good, and is hatched after that', async () => {
+      const words = screen.getByText('conditions of 18:00:00 UTC, good until 18:01:00 UTC');
+      expect(words.closest('.stale')).toBeNull();
+      act(() => void (cellTimeMs.value = startMs + 60_001));
+      expect(words.closest('.stale')).toBeTruthy();
+    });
+    it('goes when another plan begins to serve; the typed pose stays', async () => {
+      serving = 2n;
+      act(() => announce(create(WatchEventSchema, { event: { case: 'record', value: create(EventSchema, { what: 'plan.promote' }) } })));
+      await vi.waitFor(() => expect(shown()).toBeNull());
+      expect((screen.getByLabelText(/Wanted pose/) as HTMLInputElement).value).toBe('mn.x=1.25');
+    });
   });
   it('reads a joint pose as a person types it', () => {
     expect(jointPoseTyped('mn.x=1,5 z=-2')).toEqual([{ channel: 'mn.x_mm', value: 1.5 }, { channel: 'z_mm', value: -2 }]);

@@ -2,11 +2,10 @@
 import { useMemo } from 'preact/hooks';
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { fixed } from '@/format/numbers';
-import { lastMidnight } from '@/format/time';
 import { splitChannel } from '@/format/units';
 import { channel, type Channel } from '@/live/channels';
 import type { History } from '@/live/history';
-import { seriesOfTrack } from '@/parts/history_plot';
+import { liveSeries, timeOfDay } from '@/parts/history_plot';
 import { axisColours } from '@/parts/zero_plot';
 import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
@@ -30,13 +29,12 @@ function RangeBar({ now }: { now: Channel }) {
 }
 
 function tilts(names: readonly string[], declared: readonly string[], history: History): PlotSpec {
-  const startMs = lastMidnight(history.fromMs);
   return {
     title: names.length > 0 ? `${names.map((name) => splitChannel(name).symbol).join(', ')}, live` : 'No angle read yet',
     what: 'arcsec against time of day',
-    x: { label: 'time_h', unit: 'h', startMs, clock: true },
+    x: timeOfDay(history),
     y: { unit: 'arcsec', zero: false },
-    series: names.map((name, i) => seriesOfTrack(history.of(name), startMs, { colour: axisColours[i % 6] })),
+    series: names.map((name, i) => liveSeries(name, history, { colour: axisColours[i % 6] })),
     ...(history.waiting && { why: 'Waiting for the record …' }),
     ...(history.failure && { why: history.failure.message }),
     ...(names.length === 0 && { why: `${declared.map((name) => splitChannel(name).symbol).join(', ')}: not read since the daemon started.` }),

@@ -3,12 +3,11 @@ import { useMemo } from 'preact/hooks';
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import type { Point } from '@/api/gen/driftwise/v1/run_pb';
 import { fixed, significant } from '@/format/numbers';
-import { lastMidnight } from '@/format/time';
 import { nmFromMm, splitChannel } from '@/format/units';
 import { channel, layout, type Channel } from '@/live/channels';
 import type { History } from '@/live/history';
 import { valueOf } from '@/live/points';
-import { seriesOfTrack } from '@/parts/history_plot';
+import { liveSeries, timeOfDay } from '@/parts/history_plot';
 import { axisColours, zeroPlot, type ZeroDrift } from '@/parts/zero_plot';
 import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
@@ -20,9 +19,7 @@ import { LiveValue } from './live_value';
 
 // In nm from the middle of what is seen: a trace about 2.5 mm would be a flat line.
 function tracePlot(name: string, at: number, history: History): PlotSpec {
-  const startMs = lastMidnight(history.fromMs);
-  const track = history.of(name);
-  const seen = track.mean.filter(Number.isFinite);
+  const seen = history.of(name).mean.filter(Number.isFinite);
   const base = Math.max(...seen) - Math.min(...seen) < 0.1 ? (seen[seen.length - 1] ?? 0) : undefined;
   const nm = base !== undefined && seen.length > 0;
   const about = nm && Math.abs(base) >= 0.1 ? ` about ${fixed(base, 6)} mm` : '';
@@ -30,9 +27,9 @@ function tracePlot(name: string, at: number, history: History): PlotSpec {
   return {
     title: `${splitChannel(name).symbol}, live`,
     what: `${nm ? `nm${about}` : 'mm'} against time of day`,
-    x: { label: 'time_h', unit: 'h', startMs, clock: true },
+    x: timeOfDay(history),
     y: { unit: nm ? 'nm' : 'mm', zero: nm && zeroed === 0 ? undefined : false },
-    series: [seriesOfTrack(track, startMs, { unit: nm ? 'nm' : 'mm', colour: axisColours[at % 6] }, nm ? (mm) => nmFromMm(mm - zeroed!) : undefined)],
+    series: [liveSeries(name, history, { unit: nm ? 'nm' : 'mm', colour: axisColours[at % 6] }, nm ? (mm) => nmFromMm(mm - zeroed!) : undefined)],
     ...(history.waiting && { why: 'Waiting for the record …' }),
     ...(history.failure && { why: history.failure.message }),
     ...(seen.length === 0 && !history.waiting && { why: `${name} was not read in this time.` }),

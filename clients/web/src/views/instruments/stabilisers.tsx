@@ -4,11 +4,11 @@ import { api } from '@/api/client';
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { withLease } from '@/app/lease';
 import { fixed, signed } from '@/format/numbers';
-import { duration, lastMidnight } from '@/format/time';
+import { duration } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import type { Channel } from '@/live/channels';
 import type { History } from '@/live/history';
-import { seriesOfTrack } from '@/parts/history_plot';
+import { liveSeries, timeOfDay } from '@/parts/history_plot';
 import { settledK } from '@/parts/settled';
 import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
@@ -94,17 +94,16 @@ function ChangeSetPoint({ of, done }: { of: Stabiliser; done: () => void }) {
 }
 
 function controlPlot({ now, set, output }: Stabiliser, history: History): PlotSpec {
-  const startMs = lastMidnight(history.fromMs);
   const unit = output ? unitSign(output.column.unit) : '';
   return {
     title: 'Temperature and output',
     what: output ? `°C against time of day; output in ${unit} on the right` : '°C against time of day',
-    x: { label: 'time_h', unit: 'h', startMs, clock: true },
+    x: timeOfDay(history),
     y: { unit: 'degC', zero: false },
     ...(output && { right: { unit: output.column.unit, low: 0, high: output.column.max ?? (output.column.unit === 'pct' ? 100 : undefined) } }),
     series: [
-      seriesOfTrack(history.of(now.name), startMs, { name: 'temperature', colour: 'q1' }),
-      ...(output ? [seriesOfTrack(history.of(output.name), startMs, { name: 'output', colour: 's5', draw: 'dashed', axis: 'right' })] : []),
+      liveSeries(now.name, history, { name: 'temperature', colour: 'q1' }),
+      ...(output ? [liveSeries(output.name, history, { name: 'output', colour: 's5', draw: 'dashed', axis: 'right' })] : []),
     ],
     limits: Number.isFinite(set.value.value) ? [{ at: set.value.value, label: `set-point ${fixed(set.value.value, 3)} °C` }] : [],
     ...(history.waiting && { why: 'Waiting for the record …' }),

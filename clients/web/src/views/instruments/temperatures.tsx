@@ -2,12 +2,12 @@
 // glued to.
 import { useMemo } from 'preact/hooks';
 import { signed } from '@/format/numbers';
-import { duration, lastMidnight } from '@/format/time';
+import { duration } from '@/format/time';
 import { mkFromKelvin, splitChannel } from '@/format/units';
 import { channel, type Channel } from '@/live/channels';
 import { changeOf, type History } from '@/live/history';
 import type { Track } from '@/live/series';
-import { seriesOfTrack } from '@/parts/history_plot';
+import { liveSeries, timeOfDay } from '@/parts/history_plot';
 import { Plot } from '@/plot/plot';
 import { Panel } from '@/ui/panel';
 import { useWhileSeen } from '@/ui/use_while_seen';
@@ -34,15 +34,14 @@ export function trend(track: Track): { change: number; seconds: number; slope: n
 }
 
 function Small({ now, history, low, high }: { now: Channel; history: History; low: number; high: number }) {
-  const startMs = lastMidnight(history.fromMs);
   const track = history.of(now.name);
   const { change, seconds, slope } = trend(track);
   const spec = useMemo(() => ({
     title: splitChannel(now.name).symbol.replaceAll('_', ' '),
     what: '°C against time of day',
-    x: { label: 'time_h', unit: 'h', startMs, clock: true },
+    x: timeOfDay(history),
     y: { unit: 'degC', zero: false, low, high },
-    series: [seriesOfTrack(track, startMs, { colour: 's5' as const })],
+    series: [liveSeries(now.name, history, { colour: 's5' as const })],
     ...(history.waiting && { why: 'Waiting for the record …' }),
   }), [history, low, high]);
   return (

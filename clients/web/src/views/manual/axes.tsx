@@ -1,5 +1,5 @@
 // Axes live within their limits, with hold-to-move, step size and home.
-import { useRef, useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { failureOf, type Failure } from '@/api/errors';
 import type { Axis } from '@/api/gen/driftwise/v1/cell_service_pb';
@@ -18,7 +18,7 @@ import { Panel } from '@/ui/panel';
 import { Empty, Failed } from '@/ui/states';
 import { StaleNote } from '@/ui/tile';
 import { useCommand } from '@/ui/use_command';
-import { HeldJog } from './held_jog';
+import { answerWithin_ms, HeldJog } from './held_jog';
 import { JogButton } from './jog_button';
 
 const stepsMm = [0.0001, 0.001, 0.01, 0.1, 1];
@@ -40,6 +40,8 @@ export function Axes() {
   const axes = cell.value?.devices.flatMap((device) => device.axes) ?? [];
   const [stepMm, setStepMm] = useState(0.001);
   const [state, setState] = useState<Jog>();
+  const [late, setLate] = useState<Jog>(); // the answer that none has followed in time
+  const [blocked, setBlocked] = useState<string>(); // why a press moved nothing
   const [failure, setFailure] = useState<Failure>();
   const [agreed, setAgreed] = useState<{ run: bigint; hold: bigint; answer: HoldAnswer }>();
   const held = useRef<HeldJog | undefined>(undefined);
@@ -58,7 +60,7 @@ export function Axes() {
     if (run && given) setAgreed({ run: run.id, hold: run.hold?.id ?? 0n, answer: given });
   };
   const press = async (axis: Axis, direction: 1 | -1) => {
-    if (held.current) return;
+    if (held.current) return setBlocked(held.current.released ? 'The last movement has not been answered yet' : 'Another button is held');
     const jog = new HeldJog(setState);
     held.current = jog;
     setFailure(undefined);
@@ -68,12 +70,18 @@ export function Axes() {
       setFailure(failureOf(error));
     } finally {
       held.current = undefined;
+      setBlocked(undefined);
       setState((last) => (last?.over ? last : undefined)); // an answer was lost: where the axis is, only its channel knows now
     }
   };
+  useEffect(() => {
+    if (!state || state.over) return undefined;
+    const timer = setTimeout(() => setLate(state), answerWithin_ms);
+    return () => clearTimeout(timer);
+  }, [state]);
   // Of the movement under way, which is read more often than the channel, or the channel's; stale: not known to be the present one.
   const position = (name: string): { mm: number; stale: boolean; live?: Channel } => {
-    if (held.current && state?.over === false) return { mm: state.positions.find((one) => one.channel === name)?.positionMm ?? NaN, stale: connection.value.phase !== 'live' };
+    if (held.current && state?.over === false) return { mm: state.positions.find((one) => one.channel === name)?.positionMm ?? NaN, stale: late === state || connection.value.phase !== 'live' };
     const live = channel(name);
     return { mm: live?.value.value ?? NaN, stale: live?.stale.value ?? true, ...(live && { live }) };
   };
@@ -103,6 +111,7 @@ export function Axes() {
           </div>
         );
       })}
+      {blocked && <p class="note" role="status">{blocked}.</p>}
       {state?.over && <p class="muted" role="status">{String(state.stepCount)} steps: {state.endReason}</p>}
       {failure && <Failed asked="Move the axis" failure={failure} />}
       {home.failure && <Failed asked="Home" failure={home.failure} />}

@@ -1,13 +1,16 @@
 // A held button: the movement begins on press, a sign of life goes out every 100 ms, and it ends on release. Whatever else
 // happens (the page goes away, the finger slips, the tab is hidden) the signs end, and with them the movement: the daemon
 // stops the axis 300 ms after the last one.
+import { Code, ConnectError } from '@connectrpc/connect';
 import { api } from '@/api/client';
+import { failureOf } from '@/api/errors';
 import type { Jog } from '@/api/gen/driftwise/v1/commissioning_service_pb';
 import { cell } from '@/live/state';
 import type { HoldAnswer } from '@/parts/hold_question';
 import { commissioningApi } from './api';
 
 export const signEvery_ms = 100;
+export const answerWithin_ms = 1000;
 const renewEvery = 200; // signs: 20 s of a lease of 60
 
 export interface JogWish {
@@ -17,22 +20,37 @@ export interface JogWish {
 }
 
 const leaseSeconds = () => BigInt(Math.min(3600, Math.max(1, Math.round(60 * (cell.value?.speed || 1)))));
+const within = { timeoutMs: answerWithin_ms };
 const takeLease = async (token: string) =>
-  (await api.cell().takeLease({ leaseDuration: { seconds: leaseSeconds(), nanos: 0 }, token })).lease?.token ?? '';
+  (await api.cell().takeLease({ leaseDuration: { seconds: leaseSeconds(), nanos: 0 }, token }, within)).lease?.token ?? '';
+
+// A deadline of the page as a sentence: the library's own one does not say what the axis does. The daemon's have a reason.
+const inWords = (error: unknown): unknown => {
+  const { code, reason } = failureOf(error);
+  return code === Code.DeadlineExceeded && reason === ''
+    ? new ConnectError('The daemon did not answer within 1 s. It stops the axis by itself 300 ms after the last sign of the held button: look at its position', Code.DeadlineExceeded)
+    : error;
+};
 
 export class HeldJog {
-  private released = false;
+  released = false;
   private token = '';
   private jogId: bigint | undefined;
 
   constructor(private readonly onState: (jog: Jog) => void) {}
 
-  // Returns when the movement is over; throws what the daemon refused.
+  // Returns when the movement is over; throws what the daemon refused, and when it did not answer in time.
   async run(wish: JogWish): Promise<Jog | undefined> {
+    return this.carry(wish).catch((error) => {
+      throw inWords(error);
+    });
+  }
+
+  private async carry(wish: JogWish): Promise<Jog | undefined> {
     this.token = await takeLease('');
     try {
       if (this.released) return undefined; // before anything moved
-      const { jog } = await commissioningApi().beginJog({ leaseToken: this.token, channel: wish.channel, stepMm: wish.stepMm, held: true, ...(wish.answer && { answer: wish.answer }) });
+      const { jog } = await commissioningApi().beginJog({ leaseToken: this.token, channel: wish.channel, stepMm: wish.stepMm, held: true, ...(wish.answer && { answer: wish.answer }) }, within);
       let state = jog!;
       this.jogId = state.id;
       for (let signs = 1; !state.over && !this.released; signs++) {
@@ -40,9 +58,9 @@ export class HeldJog {
         await new Promise((done) => setTimeout(done, signEvery_ms));
         if (this.released) break;
         if (signs % renewEvery === 0) await takeLease(this.token);
-        state = (await commissioningApi().holdJog({ jogId: state.id, leaseToken: this.token })).jog!;
+        state = (await commissioningApi().holdJog({ jogId: state.id, leaseToken: this.token }, within)).jog!;
       }
-      if (!state.over) state = (await commissioningApi().endJog({ jogId: state.id, leaseToken: this.token })).jog!;
+      if (!state.over) state = (await commissioningApi().endJog({ jogId: state.id, leaseToken: this.token }, within)).jog!;
       this.onState(state);
       return state;
     } finally {
@@ -54,6 +72,6 @@ export class HeldJog {
   release(): void {
     if (this.released) return;
     this.released = true;
-    if (this.jogId !== undefined) void commissioningApi().endJog({ jogId: this.jogId, leaseToken: this.token }).catch(() => undefined);
+    if (this.jogId !== undefined) void commissioningApi().endJog({ jogId: this.jogId, leaseToken: this.token }, within).catch(() => undefined);
   }
 }

@@ -8,7 +8,7 @@ import { alarmKey, isOnRecord, levelWords, standing } from '@/live/alarms';
 import { dayOrDate } from '@/live/state';
 import { AlarmSwitches } from '@/parts/alarm_switches';
 import { Button, CommandButton } from '@/ui/button';
-import { Failed } from '@/ui/states';
+import { Awaiting, Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { Verdict, type VerdictKind } from '@/ui/verdict';
 import { AcknowledgeAll } from './acknowledge_all';
@@ -72,7 +72,7 @@ export function AlarmList() {
   const alarms = standing.value;
   const [all, setAll] = useState(false);
   const failed = alarms?.failure && <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
-  if (!alarms?.value?.length) return <>{failed}<AlarmSwitches /></>;
+  if (!alarms?.value?.length) return <>{failed ?? (!alarms?.value && <Awaiting what="the alarms" />)}<AlarmSwitches /></>;
   const taken = (alarm: Alarm) => alarms.set((old) => old.map((one) => (one.id === alarm.id ? alarm : one)));
   const lasting = alarms.value.filter((alarm) => !alarm.clearedTime && !alarm.shelvedUntilTime);
   const shown = all ? alarms.value : alarms.value.slice(0, Math.max(linesShown, lasting.length));
@@ -92,7 +92,8 @@ export function AlarmList() {
 export function WallAlarms() {
   const alarms = standing.value;
   const failed = alarms?.failure && <Failed asked="List the alarms" failure={alarms.failure} />;
-  if (!alarms?.value?.length) return failed ?? null;
+  if (!alarms?.value) return failed ?? <Awaiting what="the alarms" />;
+  if (alarms.value.length === 0) return failed ?? null;
   const more = alarms.value.length - linesShown;
   return (
     <section aria-label="What needs attention">

@@ -12,6 +12,8 @@ import { Panel } from '@/ui/panel';
 import { Mark } from '@/ui/verdict';
 import { useAsked } from '@/ui/use_asked';
 
+const classOf = (): string => `run-panel${connection.value.phase === 'lost' ? ' stale' : ''}`;
+
 const isHeld = (run: Run): boolean => run.state === Run_State.WAITING || run.state === Run_State.PAUSED;
 
 // When the run will be over by the cell's clock, as all times of the page, and how long that is on the wall.
@@ -50,7 +52,7 @@ export function RunPanel({ progress, buttons }: { progress: RunProgress; buttons
   const share = doneShare(run);
   const held = isHeld(run);
   return (
-    <Panel class={`run-panel${connection.value.phase === 'lost' ? ' stale' : ''}`}>
+    <Panel class={classOf()}>
       <div class="run-state">
         <p class="state"><Mark kind={kind} size={32} /> {word}</p>
         <p class="muted"><a class="quiet" href={`/runs/${run.id}`}>Run {String(run.id)}{run.name && ` · ${run.name}`}</a> · {whereItIs(progress)}</p>
@@ -80,7 +82,7 @@ export function IdlePanel() {
   const lately = useAsked('last run', async (signal) => (await api.run().listRuns({ limit: 1 }, { signal })).runs[0] ?? null);
   const devices = cell.value?.devices ?? [];
   return (
-    <Panel class="run-panel">
+    <Panel class={classOf()}>
       <div class="run-state">
         <p class="state"><Mark kind="idle" size={32} /> No run</p>
         <p class="muted">

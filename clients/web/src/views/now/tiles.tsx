@@ -5,16 +5,19 @@ import { fixed, signed, significant } from '@/format/numbers';
 import { duration } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import { channel, layout, type Channel } from '@/live/channels';
+import { connection } from '@/live/connection';
 import { cell } from '@/live/state';
 import { settledK } from '@/parts/settled';
 import { airOf, type ZeroDrift } from '@/parts/zero_plot';
 import { ChannelTile, Tile } from '@/ui/tile';
 import { Verdict } from '@/ui/verdict';
 
+const isLost = () => connection.value.phase === 'lost';
+
 function SpreadTile({ progress, limitNm }: { progress: RunProgress; limitNm: number | undefined }) {
   const spread = progress.lastSpreadNm;
   return (
-    <Tile label="Spread of last point" value={significant(spread, 2)} unit="nm">
+    <Tile label="Spread of last point" value={significant(spread, 2)} unit="nm" stale={isLost()}>
       {spread !== undefined && limitNm !== undefined && (
         <Verdict kind={spread <= limitNm ? 'good' : 'warn'}>{spread <= limitNm ? 'below' : 'over'} {fixed(limitNm)} nm</Verdict>
       )}
@@ -31,7 +34,7 @@ function ZeroTile({ drift }: { drift: ZeroDrift }) {
   const most = last.reduce((best, value, i) => (Math.abs(value) > Math.abs(last[best]) || Number.isNaN(last[best]) ? i : best), 0);
   const others = drift.lengths.map((name, i) => `${splitChannel(name).symbol} ${signed(last[i])}`).filter((_, i) => i !== most);
   return (
-    <Tile label={`Drift of the zero, ${splitChannel(drift.lengths[most]).symbol}`} value={signed(last[most])} unit="nm">
+    <Tile label={`Drift of the zero, ${splitChannel(drift.lengths[most]).symbol}`} value={signed(last[most])} unit="nm" stale={isLost()}>
       {others.length > 0 && <span class="muted">{others.join(', ')} nm</span>}
     </Tile>
   );

@@ -1,25 +1,22 @@
 // Plans: what a target of several robots, or of two models, is made of; which plan serves; a joint target.
 import { useState } from 'preact/hooks';
-import type { CheckPlanResponse, ComputeJointTargetResponse, ListPlansResponse, Plan } from '@/api/gen/driftwise/v1/plan_service_pb';
-import { fixed, signed } from '@/format/numbers';
+import type { CheckPlanResponse, ListPlansResponse, Plan } from '@/api/gen/driftwise/v1/plan_service_pb';
+import { fixed } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
 import { useEvents } from '@/live/events';
-import { flagsInWords } from '@/parts/flag_words';
 import { rollBack } from '@/parts/served';
 import { CommandButton, Button } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
-import { Field } from '@/ui/field';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed, Warned } from '@/ui/states';
 import { Table, type Column } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
-import { useTyped } from '@/ui/use_typed';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { plansApi } from './api';
+import { JointTarget } from './joint_target';
 import { promotionQuestion, servingPlan } from './questions';
-import { answeredBy, jointPoseTyped } from './words';
 
 export default function PlansView() {
   const asked = useAsked('plans', async (signal) => plansApi().listPlans({}, { signal }));
@@ -46,7 +43,8 @@ function Shown({ list, again }: { list: ListPlansResponse; again: () => void }) 
   const takeBack = useCommand(async () => {
     await rollBack(servingPlan(list.plans)).finally(again);
   });
-  const serves = list.plans.some((plan) => plan.serves);
+  const serving = list.plans.find((plan) => plan.serves)?.id;
+  const serves = serving !== undefined;
   return (
     <div class="stack">
       <Panel title="Plans" actions={serves && <CommandButton small busy={takeBack.busy} onPress={() => void takeBack.send()}>Roll back…</CommandButton>}>
@@ -56,8 +54,8 @@ function Shown({ list, again }: { list: ListPlansResponse; again: () => void }) 
           ? <Empty next="driftwise plan add plan.toml">No plan is kept.</Empty>
           : <Table caption="Serving plans, oldest first" rows={list.plans} keyOf={(plan) => String(plan.id)} columns={columns} />}
       </Panel>
-      {chosen !== undefined && <OnePlan key={String(chosen)} id={chosen} serving={list.plans.find((plan) => plan.serves)?.id} again={again} />}
-      {serves && <JointTarget />}
+      {chosen !== undefined && <OnePlan key={String(chosen)} id={chosen} serving={serving} again={again} />}
+      {serves && <JointTarget key={String(serving)} />}
     </div>
   );
 }
@@ -113,50 +111,5 @@ function Findings({ check }: { check: CheckPlanResponse }) {
       {check.findings.map((finding) => <Verdict key={finding.message} kind={finding.refuses ? 'bad' : 'warn'}>{finding.message}</Verdict>)}
       {!check.findings.some((finding) => finding.refuses) && <Verdict kind="good">can be promoted</Verdict>}
     </div>
-  );
-}
-
-function JointTarget() {
-  const [text, setText] = useTyped('joint pose');
-  const [answer, setAnswer] = useState<ComputeJointTargetResponse>();
-  const pose = jointPoseTyped(text);
-  const ask = useCommand(async () => setAnswer(await plansApi().computeJointTarget({ pose: pose!, showUnreachable: true })), 'reads');
-  const target = answer?.target;
-  return (
-    <Panel title="Joint target">
-      <Field label="Wanted pose" hint="mm, arcsec, N: mn.x=1 mn.y=0.5 ma.rx=100" value={text} onInput={setText} mono />
-      <Button busy={ask.busy} off={pose ? undefined : 'Coordinates with numbers, parted by blanks'} onPress={() => void ask.send()}>Ask</Button>
-      {ask.failure && <Failed asked="Ask for a joint target" failure={ask.failure} />}
-      {target && (
-        <div class="stack">
-          <Table
-            caption="Motor coordinates"
-            rows={target.coordinates}
-            keyOf={(one) => one.channel}
-            columns={[
-              { title: 'coordinate', of: (one) => <>{one.channel}{one.minMm !== undefined && <Verdict kind="bad">not reachable</Verdict>}</> },
-              { title: 'mm', number: true, of: (one) => fixed(one.positionMm, 7) },
-              { title: 'u, nm', number: true, of: (one) => fixed(one.uNm, 1) },
-              { title: 'U90, nm', number: true, of: (one) => fixed(one.u90Nm, 1) },
-            ]}
-          />
-          {target.terms.length > 0 && (
-            <Table
-              caption="Predicted motion, in the order in which it was added"
-              rows={target.terms}
-              keyOf={(one) => `${one.modelId} ${one.fromChannel}`}
-              columns={[
-                { title: 'predicted', of: (one) => one.fromChannel },
-                { title: 'added to', of: (one) => one.toChannel || 'not corrected' },
-                { title: 'value', number: true, of: (one) => `${signed(one.value, one.unit === 'nm' ? 1 : 3)} ${one.unit}` },
-                { title: 'u', number: true, of: (one) => `${fixed(one.u, one.unit === 'nm' ? 1 : 3)} ${one.unit}` },
-              ]}
-            />
-          )}
-          {target.robots.map((robot) => <p key={robot.robot}>{robot.robot || 'The robot'}: {answeredBy(robot)}</p>)}
-          {flagsInWords(target.flags).map((words) => <Verdict key={words} kind="warn">{words}</Verdict>)}
-        </div>
-      )}
-    </Panel>
   );
 }

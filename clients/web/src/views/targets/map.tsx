@@ -38,17 +38,18 @@ export function CorrectionMap({ fields, pose, outputs, conditions, by }: {
   // Temperatures move slowly: a map once in five minutes of the cell, and for every other pose or plane.
   const age = Math.floor((ms(conditions) ?? 0) / 300_000);
   const rest = pose.filter((one) => one.channel !== h?.channel && one.channel !== v?.channel);
-  const computedBy = `${by.modelId} ${by.datum}`;
-  const asked = useAsked(h && v && `map ${computedBy} ${plane} ${rest.map((one) => one.value).join()} ${age}`, (signal) => {
+  const subject = `${by.modelId} ${by.datum} ${plane} ${rest.map((one) => one.value).join()}`;
+  const asked = useAsked(h && v && `map ${subject} ${age}`, (signal) => {
     const axis = (field: PoseField) => {
       const wide = (field.max - field.min) * room;
       return { channel: field.channel, from: field.min - wide, to: field.max + wide, count: countPerAxis };
     };
     return targetApi().mapTargets({ horizontal: axis(h!), vertical: axis(v!), pose: [...rest] }, { signal });
   });
-  const last = useRef<{ computedBy: string; value: NonNullable<typeof asked.value> }>(undefined);
-  if (asked.value) last.current = { computedBy, value: asked.value };
-  const answer = asked.value ?? (asked.failure || last.current?.computedBy !== computedBy ? undefined : last.current.value);
+  // The map of before stays while only its conditions are asked anew: of another plane or pose a press would take wrong coordinates.
+  const last = useRef<{ subject: string; value: NonNullable<typeof asked.value> }>(undefined);
+  if (asked.value) last.current = { subject, value: asked.value };
+  const answer = asked.value ?? (asked.failure || last.current?.subject !== subject ? undefined : last.current.value);
   const picture = useMemo(() => answer && mapOf(answer, outputs[symbols.indexOf(output)], what), [answer, output, what]);
   if (!plane) return <Panel title="Over the workspace"><p class="muted">The model depends on one length only: there is no plane to show.</p></Panel>;
   return (
