@@ -16,6 +16,8 @@ std::vector<StopRecord> SqliteStopStore::read_pending() {
     stop.cause = query.text(4);
     stop.asked = {{query.integer(5)}, query.integer(6)};
     stop.presses = query.integer(7);
+    stop.held_by = stop.who;
+    stop.held_at = stop.asked.utc;
     stops.push_back(std::move(stop));
   }
   return stops;
@@ -23,11 +25,12 @@ std::vector<StopRecord> SqliteStopStore::read_pending() {
 
 // A restart must find the run paused even when the daemon is killed before the run's own coroutine
 // has seen the stop. The newest run that is queued is about to begin: a restart would begin it.
-void SqliteStopStore::pause_run(const std::string& cause) {
+void SqliteStopStore::pause_run(const StopRecord& stop) {
   Query(session_.db,
-        "UPDATE run_progress SET state = 'paused', reason = ? WHERE state IN ('running', "
-        "'waiting') OR (state = 'queued' AND run_id = (SELECT max(run_id) FROM run_progress))")
-      .bind(cause)
+        "UPDATE run_progress SET state = 'paused', reason = ?, hold_kind = 'stop', hold_who = ?, "
+        "hold_ns = ? WHERE state IN ('running', 'waiting') OR (state = 'queued' AND run_id = "
+        "(SELECT max(run_id) FROM run_progress))")
+      .bind(stop.cause, stop.held_by, stop.held_at.utc_ns)
       .run();
 }
 
@@ -52,7 +55,7 @@ Result<std::vector<StopRecord>> SqliteStopStore::keep(std::span<const StopRecord
                 stop.asked.monotonic_ns, stop.presses)
           .run();
     if (!stops.empty()) {
-      pause_run(stops.front().cause);
+      pause_run(stops.front());
       hold_queue(stops.front());
     }
     return read_pending();
@@ -67,7 +70,7 @@ Result<bool> SqliteStopStore::confirm(const StopRecord& stop, CellTime at) {
         .bind(stop.controller, stop.presses, at.utc_ns)
         .run();
     const bool ended = session_.db.changed_rows() > 0;
-    if (ended) pause_run(stop.cause);
+    if (ended) pause_run(stop);
     return ended;
   });
 }

@@ -14,7 +14,7 @@ class SqliteStopStore final : public StopStore {
 
  private:
   std::vector<StopRecord> read_pending();
-  void pause_run(const std::string& cause);
+  void pause_run(const StopRecord& stop);
   void hold_queue(const StopRecord& stop);
   Session& session_;
 };

@@ -132,8 +132,8 @@ class WholeRecord {
                                        0}));
     EXPECT_TRUE(
         store->trajectories().keep({{}, "plan", "q1_mm\n1\n", "ff", 1, at_s(12).utc, "ada"}));
-    EXPECT_TRUE(store->stops().keep(
-        std::vector{StopRecord{{}, "axis", "ada", "p", "stopped by ada", at_s(13), 1, {}}}));
+    EXPECT_TRUE(store->stops().keep(std::vector{StopRecord{
+        {}, "axis", "ada", "p", "stopped by ada", at_s(13), 1, {}, "ada", at_s(13).utc}}));
     AuditRecord act;
     act.at = at_s(14);
     act.by = {"ada", "stated", "ipv4:127.0.0.1:5020"};

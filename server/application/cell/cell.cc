@@ -24,7 +24,9 @@ Result<void> store_kept_stop(Store& store, const CellDescription& description,
                        fmt::format("stopped by {}", kept.who),
                        now,
                        1,
-                       {}});
+                       {},
+                       kept.who,
+                       now.utc});
   DRIFTWISE_TRY(const auto stored, store.stops().keep(stops));
   static_cast<void>(stored);
   return {};

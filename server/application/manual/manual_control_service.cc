@@ -145,7 +145,7 @@ Awaitable<Result<StopAnswer>> ManualControlService::stop_all(Caller caller) {
   // A client that steers from outside sees no stop between two of its movements.
   leases_.end(why);
   on_stop_(why);
-  auto pressing = stops_.press(std::move(caller), why);
+  auto pressing = stops_.press(std::move(caller), why, stop_events_.hold().at);
   co_return co_await std::move(pressing);
 }
 

@@ -156,7 +156,8 @@ StopAnswer StopDesk::answer() const {
   return answer;
 }
 
-Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause) {
+Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause,
+                                      std::optional<CellTime> held_at) {
   const auto now = clock_.now();
   if (on_press_) on_press_(caller, cause);
   for (auto& place : places_) {
@@ -166,10 +167,13 @@ Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause) {
       if (place.is_confirmed()) place.late = false;
       place.stop->confirmed = {};
     } else {
-      place.stop = StopRecord{{}, place.controller.id, caller.name, caller.peer, cause, now, 1, {}};
+      place.stop =
+          StopRecord{{}, place.controller.id, caller.name, caller.peer, cause, now, 1, {}, {}, {}};
       place.late = false;
       place.trouble.clear();
     }
+    place.stop->held_by = caller.name;
+    place.stop->held_at = held_at.value_or(now.utc);
     place.stored = false;
   }
   keep_soon();

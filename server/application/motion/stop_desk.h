@@ -53,8 +53,9 @@ class StopDesk {
 
   // Pending at once. The command is sent when the database has it or refuses it, or after 40 ms of
   // wall time: a disk never delays a stop by more. Answers within 80 ms of wall time, confirmed or
-  // not.
-  Awaitable<StopAnswer> press(Caller caller, std::string cause);
+  // not. held_at: since when a run is held by it (RunHold); none: since now.
+  Awaitable<StopAnswer> press(Caller caller, std::string cause,
+                              std::optional<CellTime> held_at = {});
 
   // Called at every press, before anything else is done about it.
   void tell_presses(std::function<void(const Caller&, const std::string& cause)> to) {

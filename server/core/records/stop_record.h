@@ -23,6 +23,10 @@ struct StopRecord {
   Stamp asked;               // of the first request
   std::int64_t presses = 1;  // requests while it was pending
   CellTime confirmed;        // utc_ns 0: pending
+  // Of the last request: the hold that a run has by it. In the run's row, not in the stop's: read
+  // back they are those of the first.
+  std::string held_by{};
+  CellTime held_at{};
 };
 
 }  // namespace driftwise

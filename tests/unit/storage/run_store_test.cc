@@ -173,7 +173,8 @@ TEST_F(RunStoreTest, RefusesAChannelWithoutUnit) {
 }
 
 StopRecord stop_at_s(double seconds) {
-  return {{}, "axis", "bob", "peer", "stopped by bob", at_s(seconds), 1, {}};
+  return {{}, "axis", "bob", "peer",           "stopped by bob", at_s(seconds),
+          1,  {},     "bob", at_s(seconds).utc};
 }
 
 TEST_F(RunStoreTest, AStopPausesTheNewestRunThatIsQueuedAndNoOlderOne) {
@@ -183,6 +184,9 @@ TEST_F(RunStoreTest, AStopPausesTheNewestRunThatIsQueuedAndNoOlderOne) {
   EXPECT_EQ(store->runs().run(never_begun)->state, RunState::queued);
   EXPECT_EQ(store->runs().run(about_to_begin)->state, RunState::paused);
   EXPECT_EQ(store->runs().run(about_to_begin)->reason, "stopped by bob");
+  // Who resumes it names this stop.
+  EXPECT_EQ(store->runs().run(about_to_begin)->hold,
+            (RunHold{RunHold::Kind::stop, "bob", at_s(5).utc, "stopped by bob"}));
 }
 
 TEST_F(RunStoreTest, ARunIsCreatedPausedWhenAStopCameAfterItWasAskedFor) {
