@@ -26,6 +26,7 @@ const signs = vi.fn();
 const ended = vi.fn();
 let lose = false; // the answers to signs of life
 let silent: string[] = []; // calls that get no answer at all
+let restsAfter_ms = 0; // the axis, once its end is asked for
 const jog = (over: boolean) => ({ id: 7n, over, released: over, endReason: over ? 'let go' : '', positions: [{ channel: 'q1_mm', positionMm: 1.25 }], stepCount: 3n });
 
 const answer = <T,>(call: string, value: T): T | Promise<T> => (silent.includes(call) ? new Promise<T>(() => undefined) : value);
@@ -39,7 +40,11 @@ const daemon = () => createRouterTransport(({ service }) => {
       if (lose) throw new ConnectError('reset', Code.Unavailable);
       return answer('holdJog', { jog: jog(false) });
     },
-    endJog: () => (ended(), answer('endJog', { jog: jog(true) })),
+    endJog: async () => {
+      ended();
+      if (restsAfter_ms > 0) await new Promise((done) => setTimeout(done, restsAfter_ms));
+      return answer('endJog', { jog: jog(true) });
+    },
     checkCell: () => ({
       verdict: CheckVerdict.BAD,
       items: [{ deviceId: 'laser-x', asked: 'light level', found: '12 %', expected: 'at least 30 %', verdict: CheckVerdict.WARNING, advice: 'align beam and mirror' }],
@@ -149,14 +154,10 @@ describe('a held button', () => {
     unmount();
     await vi.waitFor(() => expect(ended.mock.calls.length).toBeGreaterThan(before));
   });
-  it.each(['takeLease', 'beginJog', 'holdJog', 'endJog'])('is given up when %s is not answered within a second, and moves again after that', async (call) => {
+  it.each(['takeLease', 'beginJog', 'holdJog'])('is given up when %s is not answered within a second, and moves again after that', async (call) => {
     silent = [call];
     render(<Manual />);
     pointer(await button(), 'pointerdown');
-    if (call === 'endJog') {
-      await vi.waitFor(() => expect(signs).toHaveBeenCalled());
-      pointer(await button(), 'pointerup');
-    }
     expect(await screen.findByText(/The daemon did not answer within 1 s/, {}, { timeout: 4000 })).toBeTruthy();
     pointer(await button(), 'pointerup');
     silent = [];
@@ -166,6 +167,23 @@ describe('a held button', () => {
     expect(screen.queryByText(/The daemon did not answer/)).toBeNull();
     pointer(await button(), 'pointerup');
     expect(await screen.findByText('3 steps: let go')).toBeTruthy();
+  });
+  it.each([[3_000, '3 steps: let go'], [30_000, /The daemon did not answer within 10 s/]])('waits at most 10 s for an axis that rests after %i ms', async (ms, words) => {
+    restsAfter_ms = ms;
+    render(<Manual />);
+    const hold = await button();
+    vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout'] });
+    try {
+      const pass = (ms: number) => act(async () => void (await vi.advanceTimersByTimeAsync(ms)));
+      pointer(hold, 'pointerdown');
+      await vi.waitUntil(async () => (await pass(5), signs.mock.calls.length > 0));
+      pointer(hold, 'pointerup');
+      for (let second = 0; second < 11; second++) await pass(1000);
+      expect(screen.getByText(words)).toBeTruthy();
+    } finally {
+      vi.useRealTimers();
+      restsAfter_ms = 0;
+    }
   });
   it('says so when it is pressed again before the last movement was answered', async () => {
     silent = ['holdJog'];

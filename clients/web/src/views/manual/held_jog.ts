@@ -21,14 +21,15 @@ export interface JogWish {
 
 const leaseSeconds = () => BigInt(Math.min(3600, Math.max(1, Math.round(60 * (cell.value?.speed || 1)))));
 const within = { timeoutMs: answerWithin_ms };
+const restWithin = { timeoutMs: 10_000 }; // EndJog answers when the axis rests
 const takeLease = async (token: string) =>
   (await api.cell().takeLease({ leaseDuration: { seconds: leaseSeconds(), nanos: 0 }, token }, within)).lease?.token ?? '';
 
 // A deadline of the page as a sentence: the library's own one does not say what the axis does. The daemon's have a reason.
-const inWords = (error: unknown): unknown => {
+const inWords = (error: unknown, resting: boolean): unknown => {
   const { code, reason } = failureOf(error);
   return code === Code.DeadlineExceeded && reason === ''
-    ? new ConnectError('The daemon did not answer within 1 s. It stops the axis by itself 300 ms after the last sign of the held button: look at its position', Code.DeadlineExceeded)
+    ? new ConnectError(`The daemon did not answer within ${resting ? 10 : 1} s. It stops the axis by itself 300 ms after the last sign of the held button: look at its position`, Code.DeadlineExceeded)
     : error;
 };
 
@@ -36,13 +37,14 @@ export class HeldJog {
   released = false;
   private token = '';
   private jogId: bigint | undefined;
+  private resting = false; // its end is asked for, and awaited
 
   constructor(private readonly onState: (jog: Jog) => void) {}
 
   // Returns when the movement is over; throws what the daemon refused, and when it did not answer in time.
   async run(wish: JogWish): Promise<Jog | undefined> {
     return this.carry(wish).catch((error) => {
-      throw inWords(error);
+      throw inWords(error, this.resting);
     });
   }
 
@@ -60,7 +62,10 @@ export class HeldJog {
         if (signs % renewEvery === 0) await takeLease(this.token);
         state = (await commissioningApi().holdJog({ jogId: state.id, leaseToken: this.token }, within)).jog!;
       }
-      if (!state.over) state = (await commissioningApi().endJog({ jogId: state.id, leaseToken: this.token }, within)).jog!;
+      if (!state.over) {
+        this.resting = true;
+        state = (await commissioningApi().endJog({ jogId: state.id, leaseToken: this.token }, restWithin)).jog!;
+      }
       this.onState(state);
       return state;
     } finally {
