@@ -261,8 +261,8 @@ class FakeModelChecks final : public app::ModelChecks {
   diagnosis::Verification verification;
   std::vector<RunRecord> runs;
 
-  Awaitable<Result<app::ModelCheck>> check_model(std::optional<ModelId> id,
-                                                 std::vector<RunId>) override {
+  Awaitable<Result<app::ModelCheck>> check_model(std::optional<ModelId> id, std::vector<RunId>,
+                                                 std::optional<CorrectionId>) override {
     if (!id) co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves");
     co_return app::ModelCheck{*id, runs, report};
   }
@@ -332,9 +332,11 @@ class FakeDiagnoses final : public app::Diagnoses {
 class FakeImprovements final : public app::Improvements {
  public:
   CountedWatch<app::ImprovementProgress> progress;
+  std::optional<ImprovementRecord> begins;  // what create() answers with
 
   Awaitable<Result<ImprovementRecord>> create(app::Caller, app::ImproveRequest) override {
-    co_return not_faked();
+    if (!begins) co_return not_faked();
+    co_return *begins;
   }
   Awaitable<Result<ImprovementRecord>> cancel(app::Caller, ImprovementId) override {
     co_return not_faked();

@@ -41,6 +41,7 @@ HeldLease::~HeldLease() {
   }
   stop_asked_.notify_all();
   thread_->join();
+  if (left_) return;
   try {
     v1::GiveUpLeaseRequest request;
     request.set_token(token_);

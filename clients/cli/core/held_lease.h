@@ -22,6 +22,8 @@ class HeldLease {
   HeldLease& operator=(const HeldLease&) = delete;
 
   const std::string& token() const { return token_; }
+  // To a job of the daemon's that goes on and renews it: it is not given up at the end.
+  void leave() { left_ = true; }
 
  private:
   void renew_until_stopped();
@@ -32,7 +34,7 @@ class HeldLease {
   std::chrono::milliseconds every_{20000};
   std::mutex mutex_;
   std::condition_variable stop_asked_;
-  bool stopping_ = false;
+  bool stopping_ = false, left_ = false;
   std::optional<std::thread> thread_;
 };
 

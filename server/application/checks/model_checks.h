@@ -25,9 +25,12 @@ class ModelChecks {
   virtual ~ModelChecks() = default;
 
   // model: none means the one that serves. runs: empty means every measured run since the model was
-  // made that it was not fitted from, the last 50 of them. Errors: failed_precondition NO_MODEL.
-  virtual Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> model,
-                                                    std::vector<RunId> runs) = 0;
+  // made that it was not fitted from, the last 50 of them. leaving_out: a correction that the
+  // readings are looked at without, as if it had not been accepted. Errors: failed_precondition
+  // NO_MODEL.
+  virtual Awaitable<Result<ModelCheck>> check_model(
+      std::optional<ModelId> model, std::vector<RunId> runs,
+      std::optional<CorrectionId> leaving_out = {}) = 0;
   // Target minus measured of runs: server/diagnosis/check/verification.h. range: whose range says
   // inside and outside; none: each run's own model. Errors: those of verify_runs(); NO_SUCH_RUN,
   // _MODEL.

@@ -46,7 +46,8 @@ Result<std::vector<RunRecord>> runs_since(Store& store, const ModelRecord& model
   return found;
 }
 
-Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& wanted) {
+Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& wanted,
+                        std::optional<CorrectionId> leaving_out) {
   DRIFTWISE_TRY(auto record, store.models().model(id));
   DRIFTWISE_RETURN_IF_ERROR(check_integrity(record));
   Material material{std::move(record), {}, {}};
@@ -61,7 +62,7 @@ Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& want
     material.runs.push_back(std::move(one));
   }
   for (const auto& run : material.runs) {
-    DRIFTWISE_TRY(auto to_check, run_to_check(store, run, memory));
+    DRIFTWISE_TRY(auto to_check, run_to_check(store, run, memory, leaving_out));
     material.data.push_back(std::move(to_check));
   }
   return material;
@@ -99,13 +100,13 @@ Result<ModelCheck> judge(Material material) {
 
 }  // namespace
 
-Awaitable<Result<ModelCheck>> ModelChecksService::check_model(std::optional<ModelId> id,
-                                                              std::vector<RunId> runs) {
+Awaitable<Result<ModelCheck>> ModelChecksService::check_model(
+    std::optional<ModelId> id, std::vector<RunId> runs, std::optional<CorrectionId> leaving_out) {
   if (!id) id = serving_.model();
   if (!id)
     co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                    "no model serves: name one, or promote one");
-  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather, *id, runs));
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather, *id, runs, leaving_out));
   co_return co_await run_on(
       worker_, [](Material& whole) { return judge(std::move(whole)); }, std::move(material));
 }
@@ -132,7 +133,7 @@ void ModelChecksService::check_after(const RunProgress& progress) {
 // after: the run that ended just now; none: nothing new was measured, so nothing is recorded.
 Awaitable<void> ModelChecksService::check_served(std::optional<RunId> after) {
   const auto model = serving_.model();
-  auto checking = check_model(model, {});
+  auto checking = check_model(model, {}, {});
   const auto check = co_await std::move(checking);
   if (!check) {
     if (after) events_.record_own("check.failed", check.error().message, after);

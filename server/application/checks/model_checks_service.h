@@ -25,8 +25,8 @@ class ModelChecksService final : public ModelChecks {
         serving_(serving),
         tasks_(tasks) {}
 
-  Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> id,
-                                            std::vector<RunId> runs) override;
+  Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> id, std::vector<RunId> runs,
+                                            std::optional<CorrectionId> leaving_out) override;
   Awaitable<Result<diagnosis::Verification>> verify_runs(std::vector<RunId> runs,
                                                          std::optional<ModelId> range) override;
 

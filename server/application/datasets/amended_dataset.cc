@@ -204,18 +204,33 @@ Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRec
   return amendment;
 }
 
-Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store) {
+namespace {
+
+// In force but for this one, oldest first.
+Result<std::vector<correction::DataAmendment>> amendments_without(
+    Store& store, std::optional<CorrectionId> correction) {
   DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   std::vector<correction::DataAmendment> amendments;
   for (const auto& record : records) {
-    if (!record.in_force()) continue;
+    if (!record.in_force() || record.id == correction) continue;
     DRIFTWISE_TRY(auto amendment, amendment_of(store, record));
     amendments.push_back(std::move(amendment));
   }
   return amendments;
 }
 
-namespace {
+Result<RunsData> data_without(Store& store, std::span<const RunId> runs,
+                              std::optional<CorrectionId> correction) {
+  auto out = measured_data(store, runs);
+  if (!out) return out;
+  DRIFTWISE_TRY(auto amendments, amendments_without(store, correction));
+  for (auto& whole : amendments) {
+    DRIFTWISE_TRY(const auto amendment, held_for(store, std::move(whole), runs));
+    DRIFTWISE_RETURN_IF_ERROR(
+        correction::amend(amendment, out->origins, out->time_zero, out->data));
+  }
+  return out;
+}
 
 // The corrections, ended ones too, that can change the data of one of these runs.
 Result<std::vector<CorrectionRecord>> corrections_of(Store& store, std::span<const RunId> runs) {
@@ -266,18 +281,15 @@ Result<std::vector<std::string>> corrections_since(Store& store, std::span<const
 }
 
 Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
-  auto out = measured_data(store, runs);
-  if (!out) return out;
-  DRIFTWISE_TRY(auto amendments, amendments_in_force(store));
-  for (auto& whole : amendments) {
-    DRIFTWISE_TRY(const auto amendment, held_for(store, std::move(whole), runs));
-    DRIFTWISE_RETURN_IF_ERROR(
-        correction::amend(amendment, out->origins, out->time_zero, out->data));
-  }
-  return out;
+  return data_without(store, runs, std::nullopt);
 }
 
 Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
+  return dataset_without(store, runs, std::nullopt);
+}
+
+Result<Dataset> dataset_without(Store& store, std::span<const RunId> runs,
+                                std::optional<CorrectionId> correction) {
   DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   if (std::ranges::none_of(records, &CorrectionRecord::in_force)) {
     auto dataset = store.runs().dataset(runs);  // nothing to lay over: as ever
@@ -285,7 +297,7 @@ Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
     DRIFTWISE_RETURN_IF_ERROR(add_metadata(store, runs, *dataset));
     return dataset;
   }
-  DRIFTWISE_TRY(auto amended, amended_data(store, runs));
+  DRIFTWISE_TRY(auto amended, data_without(store, runs, correction));
   return std::move(amended.data);
 }
 

@@ -3,6 +3,7 @@
 // the corrections that are in force laid over them. The points in the store stay as they were.
 // Called on the store's thread.
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,9 +32,6 @@ Result<RunsData> measured_data(Store& store, std::span<const RunId> runs);
 void confine(correction::DataAmendment& amendment, const std::vector<RunId>& runs);
 // The change that a stored correction makes, confined. Errors: data_loss BAD_CORRECTION.
 Result<correction::DataAmendment> amendment_of(Store& store, const CorrectionRecord& record);
-// What is in force, oldest first.
-// Errors: data_loss BAD_CORRECTION.
-Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store);
 
 // Corrections in the data of these runs, ascending: those in force that can change one of them, and
 // what a join took into its rows, undone or not (corrections_in). Errors: data_loss BAD_CORRECTION.
@@ -47,5 +45,8 @@ Result<std::vector<std::string>> corrections_since(Store& store, std::span<const
 // With everything that is in force. Errors: those of both, and of correction::amend.
 Result<RunsData> amended_data(Store& store, std::span<const RunId> runs);
 Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs);
+// The same as if this correction had not been accepted; none: amended_dataset().
+Result<Dataset> dataset_without(Store& store, std::span<const RunId> runs,
+                                std::optional<CorrectionId> correction);
 
 }  // namespace driftwise::application

@@ -7,10 +7,10 @@
 
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/improvement/fresh_points.h"
+#include "server/application/improvement/fresh_verdict.h"
 #include "server/application/models/model_integrity.h"
 #include "server/core/reasons.h"
 #include "server/core/records/state_text.h"
-#include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/diagnosis/report/heading.h"
 #include "server/formats/csv/trajectory_csv.h"
@@ -28,49 +28,6 @@ std::vector<TurnGain> promised_gains(const diagnosis::Diagnosis& found) {
     gains.push_back({judged.output, judged.unit, judged.before.value_or(judged.figures),
                      judged.figures, std::nullopt, std::nullopt});
   return gains;
-}
-
-// What fresh points say of a gain, by A90 of both models on the same points.
-struct FreshVerdict {
-  bool judged = false;  // any output
-  bool better = false;  // any output, beyond kSame
-  std::string worse;    // outputs that got worse, beyond kSame
-  std::string measured;
-};
-FreshVerdict judge_fresh(const std::vector<TurnGain>& gains) {
-  constexpr double kSame = 1.05;  // a twentieth: what a refit moves by itself
-  FreshVerdict verdict;
-  for (const auto& gain : gains) {
-    if (!gain.measured || !gain.measured_before) continue;
-    verdict.judged = true;
-    const double before = gain.measured_before->a90, after = gain.measured->a90;
-    const std::string change =
-        fmt::format("{} {} -> {} {} (mean {} -> {})", gain.output, digits_text(before),
-                    digits_text(after), gain.unit, mean_text(gain.measured_before->mean, before),
-                    mean_text(gain.measured->mean, after));
-    verdict.better |= after * kSame < before;
-    if (after > kSame * before) verdict.worse += (verdict.worse.empty() ? "" : ", ") + change;
-    verdict.measured += (verdict.measured.empty() ? "" : ", ") + change;
-  }
-  return verdict;
-}
-
-std::optional<ErrorFigures> fresh_figures(const ModelCheck& check, const std::string& symbol) {
-  for (const auto& output : check.report.outputs)
-    if (output.channel.symbol == symbol && !output.points.empty() && output.points[0].rows > 1) {
-      const auto& point = output.points[0];
-      return ErrorFigures{
-          .rows = point.rows, .mean = point.bias, .u90 = point.u90, .a90 = point.a90};
-    }
-  return std::nullopt;
-}
-
-// Why a model's points were not judged, by the first output that says it.
-std::string why_unjudged(const ModelCheck& check) {
-  for (const auto& output : check.report.outputs)
-    if (!output.points.empty() && !output.points[0].why_not.empty())
-      return output.points[0].why_not;
-  return "fewer than two rows could be judged";
 }
 
 std::string name_of(const diagnosis::Finding& finding) {
@@ -359,8 +316,8 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
     say(fmt::format("measured again, run {}", run.id.value));
     co_return After::next_turn;
   }
-  DRIFTWISE_CO_TRY(const auto by_before, co_await errors_on(*before, run.id));
-  DRIFTWISE_CO_TRY(const auto by_after, co_await errors_on(*model_, run.id));
+  DRIFTWISE_CO_TRY(const auto by_before, co_await errors_on(*before, run.id, extension.correction));
+  DRIFTWISE_CO_TRY(const auto by_after, co_await errors_on(*model_, run.id, {}));
   DRIFTWISE_CO_RETURN_IF_ERROR(check());
   for (auto& gain : turn_.gains) {
     gain.measured_before = fresh_figures(by_before, gain.output);
@@ -401,9 +358,11 @@ Awaitable<void> ImprovementLoop::promote_proven() {
 }
 
 // A model's errors on a run that it was not fitted from, as a check standard has them: counted from
-// the run's own zero, so that their mean counts.
-Awaitable<Result<ModelCheck>> ImprovementLoop::errors_on(ModelId model, RunId run) {
-  auto checking = services_.checks.check_model(model, {run});
+// the run's own zero, so that their mean counts. Each model answers for what the instruments read,
+// its own corrections of them included: a correction proves nothing by being in the readings.
+Awaitable<Result<ModelCheck>> ImprovementLoop::errors_on(ModelId model, RunId run,
+                                                         std::optional<CorrectionId> leaving_out) {
+  auto checking = services_.checks.check_model(model, {run}, leaving_out);
   co_return co_await std::move(checking);
 }
 

@@ -83,7 +83,8 @@ class ImprovementLoop {
   Awaitable<Result<After>> extend(const DiagnosisView& view, std::vector<int> findings);
   Awaitable<std::vector<int>> acceptable(const DiagnosisView& view, std::vector<int> findings);
   Awaitable<Result<After>> measure_again(ExtensionRecord extension);
-  Awaitable<Result<ModelCheck>> errors_on(ModelId model, RunId run);
+  Awaitable<Result<ModelCheck>> errors_on(ModelId model, RunId run,
+                                          std::optional<CorrectionId> leaving_out);
   Awaitable<void> promote_proven();
   Awaitable<Result<void>> keep();
   void say(const std::string& sentence);

@@ -62,8 +62,9 @@ Result<void> add_past(Store& store, const diagnosis::ModelMemory& memory,
 }  // namespace
 
 Result<diagnosis::RunToCheck> run_to_check(Store& store, const RunRecord& run,
-                                           const diagnosis::ModelMemory& memory) {
-  DRIFTWISE_TRY(auto data, amended_dataset(store, std::vector{run.id}));
+                                           const diagnosis::ModelMemory& memory,
+                                           std::optional<CorrectionId> leaving_out) {
+  DRIFTWISE_TRY(auto data, dataset_without(store, std::vector{run.id}, leaving_out));
   diagnosis::RunToCheck to_check{run.id, std::move(data), {}};
   if (run.reason == "imported") return to_check;
   DRIFTWISE_TRY(const auto zeros, zeros_of(store, run.id, to_check.data));

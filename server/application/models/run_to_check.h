@@ -9,9 +9,11 @@
 
 namespace driftwise::application {
 
-// On the store's thread. An imported run has no known zeros. Errors: those of amended_dataset and
-// of the store's reads.
+// On the store's thread. An imported run has no known zeros. leaving_out: of the corrections in
+// force all but this one are laid over the readings. Errors: those of amended_dataset and of the
+// store's reads.
 Result<diagnosis::RunToCheck> run_to_check(Store& store, const RunRecord& run,
-                                           const diagnosis::ModelMemory& memory);
+                                           const diagnosis::ModelMemory& memory,
+                                           std::optional<CorrectionId> leaving_out = {});
 
 }  // namespace driftwise::application

@@ -13,7 +13,10 @@ namespace dx = driftwise::diagnosis;
 
 class DiagnosisCommands : public CliTest {
  public:
-  DiagnosisCommands() { fakes.extensions = &extensions; }
+  DiagnosisCommands() {
+    fakes.extensions = &extensions;
+    fakes.improvements = &improvements;
+  }
   // In the record, done.
   DiagnosisId add(const dx::Diagnosis& found) {
     return cell.on_store([&](Store& store) {
@@ -54,6 +57,7 @@ class DiagnosisCommands : public CliTest {
     return found;
   }
   FakeExtensions extensions{cell};
+  FakeImprovements improvements;
 };
 
 TEST_F(DiagnosisCommands, ListWrongRowsWithoutAChannel) {
@@ -233,6 +237,22 @@ TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
   EXPECT_THAT(said.out, testing::ContainsRegex("\n +2 .* -  .* -\n")) << "a turn without figures";
   const auto as_json = json({"improve", "list"});
   EXPECT_EQ(as_json["improvements"][0]["turns"][0]["gains"][0]["measured"]["a90"], 13.1);
+}
+
+// Its loop measures again with the lease of who began it.
+TEST_F(DiagnosisCommands, AnImprovementWhoseWatchingRunsOutOfTimeGoesOnAndKeepsTheLease) {
+  cell.on_store([&](Store& store) {
+    ImprovementRecord record;
+    record.created = kWorldBegin;
+    record.formula = "q ~ x";
+    improvements.begins = *store.improvements().add_improvement(record);
+  });
+  const auto plan = file("plan.csv", "q1_mm\n0\n1\n0\n");
+  const auto left = run({"improve", plan, "--model", "q ~ x", "--timeout", "0.5"});
+  EXPECT_EQ(left.exit, 4);
+  EXPECT_THAT(left.err, HasSubstr("improvement 1 goes on"));
+  EXPECT_THAT(left.err, HasSubstr("driftwise improve cancel 1"));
+  EXPECT_THAT(run({"lease", "show"}).out, HasSubstr("held by ada"));
 }
 
 }  // namespace

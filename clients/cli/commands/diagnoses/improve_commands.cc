@@ -95,7 +95,9 @@ v1::Improvement get_improvement(const Connection& connection, std::int64_t id) {
   return connection.ask(&ImproveStub::GetImprovement, request).improvement();
 }
 
-void follow_improvement(const Session& session, const Connection& connection, std::int64_t id) {
+// Interrupted it is cancelled; an end of the watching alone leaves it, and the lease, as they are.
+void follow_improvement(const Session& session, const Connection& connection, std::int64_t id,
+                        HeldLease& lease) {
   v1::WatchImprovementRequest request;
   request.set_improvement_id(id);
   JobBar bar(session.console);
@@ -107,7 +109,15 @@ void follow_improvement(const Session& session, const Connection& connection, st
                         return true;
                       });
   } catch (Failure& failure) {
-    if (failure.exit != ExitCode::interrupted) throw;
+    if (failure.exit != ExitCode::interrupted) {
+      lease.leave();
+      const std::string number = std::to_string(id);
+      if (failure.reason == "TIMEOUT")
+        failure.message = "time is up: improvement " + number +
+                          " goes on; look at it with `driftwise improve show " + number +
+                          "`, end it with `driftwise improve cancel " + number + "`";
+      throw;
+    }
     v1::CancelImprovementRequest cancel;
     cancel.set_improvement_id(id);
     const auto ended =
@@ -132,10 +142,10 @@ ExitCode improve(const Session& session, const ImproveArguments& a) {
   request.set_robot(a.robot);
   request.set_request_id(a.request_id);
   check_trajectory(connection, request.trajectory_text(), a.file);
-  const HeldLease lease(connection, a.lease_token);
+  HeldLease lease(connection, a.lease_token);
   request.set_lease_token(lease.token());
   const auto begun = connection.ask(&ImproveStub::CreateImprovement, request, 30).improvement();
-  follow_improvement(session, connection, begun.id());
+  follow_improvement(session, connection, begun.id(), lease);
   return show_improvement(session, get_improvement(connection, begun.id()));
 }
 

@@ -372,6 +372,38 @@ TEST_F(SlowLagTest, IsUndoneBecauseTheFreshPointsCannotJudgeIt) {
   EXPECT_FALSE(view.extension->stands());
 }
 
+// A search that blames the laser for the axis' own bend, which the baseline holds: the corrected
+// lengths are straight, and the model from them is as good as the one before, not better.
+class BlamedLaserTest : public ImprovementTest {
+ protected:
+  BlamedLaserTest()
+      : ImprovementTest([](const Dataset&, const dx::DiagnoseOptions& options) {
+          auto found = diagnosis_with(
+              options.baseline.formula,
+              {finding_of("cosine_error", "x", effects::AppliesTo::correction, {"x^2"}, {3e-5})});
+          dx::OutputSummary q1;
+          q1.output = "q1";
+          q1.unit = "nm";
+          q1.u90_calibration_before = q1.a90_calibration_before = 300;
+          q1.u90_calibration_after = q1.a90_calibration_after = 20;
+          found.outputs = {q1};
+          return Result<dx::Diagnosis>(found);
+        }) {}
+};
+TEST_F(BlamedLaserTest, IsUndoneBecauseBothModelsExpectTheSameReadings) {
+  application::ImproveRequest request;
+  request.formula = "q ~ x + x^2";
+  request.promotes = true;
+  const auto record = finished(begin(request)->id);
+  EXPECT_EQ(record.state, JobState::done) << record.reason;
+  EXPECT_THAT(record.reason, HasSubstr("fresh points do not show the gain"));
+  ASSERT_EQ(record.turns.size(), 1u);
+  const auto& gain = record.turns[0].gains.at(0);
+  ASSERT_TRUE(gain.measured && gain.measured_before);
+  EXPECT_NEAR(gain.measured_before->a90, gain.measured->a90, 3);  // 480 nm are taken off at 4 mm
+  EXPECT_FALSE(d.look(*record.turns[0].diagnosis).extension->stands());
+}
+
 // A search that also names a laser whose scale drifts by 126 ppm/h.
 class ImpossibleLaserTest : public ImprovementTest {
  protected:
