@@ -223,17 +223,19 @@ class Join {
     return worst;
   }
 
-  // In the channel's unit: of the difference where several measured it, else of the returns.
-  double u_of(const Channel& channel, const std::vector<std::size_t>& sources,
-              const std::optional<JoinCheck>& check) const {
+  // In the channel's unit: of the difference where several measured it, else of the returns. None:
+  // too few returns to know it.
+  std::optional<double> u_of(const Channel& channel, const std::vector<std::size_t>& sources,
+                             const std::optional<JoinCheck>& check) const {
     const auto m = static_cast<double>(sources.size());
     double square = 0;
     if (check) {
       square = size_of(*check) * size_of(*check) / 2 / m;
     } else {
       const auto& scatter = scatter_[sources.front()];
-      if (const auto found = scatter.find(channel.name()); found != scatter.end())
-        square = found->second * found->second;
+      const auto found = scatter.find(channel.name());
+      if (found == scatter.end()) return std::nullopt;
+      square = found->second * found->second;
     }
     if (const auto& seen = is_angle(channel.unit) ? angles_.square[axis_of_symbol(channel.symbol)]
                                                   : std::nullopt) {
@@ -250,13 +252,24 @@ class Join {
     return std::sqrt(square);
   }
 
+  void warn_of_unknown(const Channel& channel, const std::vector<std::size_t>& sources) {
+    out_.report.warnings.push_back(fmt::format(
+        "{}: the uncertainty of the join is not known{}: {} has {} in every datum; measure the "
+        "zero more often",
+        channel.name(),
+        is_angle(channel.unit) ? ", nor its part in the lengths that it corrects" : "",
+        parts_[sources.front()].name,
+        rules_.subtract_returns ? "less than three returns to zero"
+                                : "less than two returns to zero"));
+  }
+
   Result<double> angle_u(const char* symbol) const {
     for (const auto& part : parts_) {
       const auto* column = part.data.find(symbol);
       if (column == nullptr || !has_values(*column)) continue;
       DRIFTWISE_TRY(const auto sources, sources_of(parts_, column->channel));
       return arcsec_per_unit(column->channel) *
-             u_of(column->channel, sources, worst_check(column->channel, sources));
+             u_of(column->channel, sources, worst_check(column->channel, sources)).value_or(0);
     }
     return 0.0;
   }
@@ -294,6 +307,7 @@ class Join {
       for (const auto p : sources) joined.sources.push_back(parts_[p].name);
       if (is_pose_symbol(channel.symbol)) {
         joined.u = u_of(channel, sources, joined.check);
+        if (!joined.u) warn_of_unknown(channel, sources);
         checked = checked || joined.check.has_value();
         warn_of_difference(channel, sources, joined.check);
       }

@@ -92,11 +92,11 @@ std::vector<double> without_jumps(const std::vector<double>& values) {
 
 namespace {
 
-// Sum of squares about their centre, datum by datum, and how many returns it has; in the column's
-// unit.
+// Sum of squares about their centre, datum by datum, in the column's unit. Each datum's centre
+// takes one degree of freedom: a single return says nothing of its error.
 struct Squares {
-  double sum = 0, count = 0;
-  double mean() const { return count > 1 ? sum / count : 0; }
+  double sum = 0, degrees = 0;
+  double mean() const { return degrees > 0 ? sum / degrees : 0; }
 };
 Squares squares_of_returns(const JoinPart& part, const std::vector<std::size_t>& zeros,
                            const DatasetColumn& column) {
@@ -105,10 +105,10 @@ Squares squares_of_returns(const JoinPart& part, const std::vector<std::size_t>&
     std::vector<double> values;
     for (const auto row : rows) values.push_back(column.values[row]);
     const double centre = centre_of(values);
-    for (const double value : without_jumps(values)) {
-      squares.sum += (value - centre) * (value - centre);
-      squares.count += 1;
-    }
+    const auto kept = without_jumps(values);
+    if (kept.size() < 2) continue;
+    for (const double value : kept) squares.sum += (value - centre) * (value - centre);
+    squares.degrees += static_cast<double>(kept.size() - 1);
   }
   return squares;
 }
@@ -134,7 +134,7 @@ std::map<std::string, double> spread_of_returns(const JoinPart& part,
   for (const auto& column : part.data.columns) {
     if (!counts_from_zero(column.channel)) continue;
     const auto squares = squares_of_returns(part, zeros, column);
-    if (squares.count < 2) continue;
+    if (squares.degrees == 0) continue;
     double square = squares.mean();
     if (is_length(column.channel.unit)) {
       const double mm = mm_from_nm(summary_unit(column.channel.unit).factor);

@@ -23,6 +23,7 @@ std::map<std::string, double> scatter_of_returns(const JoinPart& part,
 // goes one way for most of a session or waits in one place and then leaves it, so that a robust
 // sigma of its values states too little. Of a length less the motors' own deviations there, the
 // holding error, which a join counts row by row. Returns that jump are left out (without_jumps).
+// Nothing of a channel with less than two returns in every datum.
 std::map<std::string, double> spread_of_returns(const JoinPart& part,
                                                 const std::vector<std::size_t>& zeros);
 

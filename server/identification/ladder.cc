@@ -80,7 +80,15 @@ Inputs inputs_of(const Dataset& dataset, const std::vector<std::string>& outputs
       if (name == symbol) part = where;
     return parts.empty() || part == "robot";
   };
-  const bool pose_is_asked = std::ranges::any_of(outputs, is_pose_symbol);
+  // Of data of several robots: the position of the one that the outputs are of.
+  const auto robot = outputs.empty() ? std::string_view() : robot_of(outputs.front());
+  const auto is_its = [&](const std::string& symbol, auto is_kind) {
+    return robot_of(symbol) == robot && is_kind(without_robot(symbol));
+  };
+  const auto is_motor = [](std::string_view symbol) { return is_motor_symbol(symbol); };
+  const auto is_pose = [](std::string_view symbol) { return is_pose_symbol(symbol); };
+  const bool pose_is_asked = std::ranges::any_of(
+      outputs, [&](const std::string& output) { return is_its(output, is_pose); });
   // Large rotations are positions of a robot that turns; parasitic ones follow from its position.
   bool turns = false;
   Inputs inputs;
@@ -93,7 +101,7 @@ Inputs inputs_of(const Dataset& dataset, const std::vector<std::string>& outputs
       if (on_robot(channel.symbol)) kind = &inputs.temperatures;
     } else if (channel.unit == "N") {
       kind = &inputs.forces;
-    } else if (pose_is_asked ? is_motor_symbol(channel.symbol) : is_pose_symbol(channel.symbol)) {
+    } else if (pose_is_asked ? is_its(channel.symbol, is_motor) : is_its(channel.symbol, is_pose)) {
       kind = is_angle(channel.unit) ? &rotations : &inputs.position;
     }
     if (kind != nullptr)

@@ -22,6 +22,17 @@ double correlation_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return size > 0 ? u.dot(v) / size : 0;
 }
 
+// Of the first indent's marking, which every row of a line has in it: p m / root of 3, in the
+// finest of the pictures, um^2.
+double common_um2_of(const std::vector<const IndentRow*>& rows) {
+  double common_um2 = std::numeric_limits<double>::infinity();
+  for (const IndentRow* row : rows) {
+    const double marking_um = row->indent.pixel_nm * 1e-3 * row->indent.marking_px;
+    common_um2 = std::min(common_um2, marking_um * marking_um / 3);
+  }
+  return common_um2;
+}
+
 LineFit fit_line(Line line, const std::vector<const IndentRow*>& rows) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   Eigen::MatrixXd design(n, 2);
@@ -42,7 +53,10 @@ LineFit fit_line(Line line, const std::vector<const IndentRow*>& rows) {
   const Eigen::Vector2d found = qr.solve(error_um);
   const double variance = (error_um - design * found).squaredNorm() /
                           static_cast<double>(std::max<Eigen::Index>(1, n - 2));
-  const Eigen::Matrix2d covariance = variance * (design.transpose() * design).inverse();
+  // A common error is no scatter about the line: the scale takes it up.
+  const Eigen::Vector2d by_common = qr.solve(Eigen::VectorXd::Ones(n));
+  const Eigen::Matrix2d covariance = variance * (design.transpose() * design).inverse() +
+                                     common_um2_of(rows) * by_common * by_common.transpose();
   fit.scale_ppm = found[0] * kPpm;
   fit.u_scale_ppm = std::sqrt(covariance(0, 0)) * kPpm;
   fit.factor = found[1];
@@ -92,13 +106,9 @@ double least_of(const Function& function, double low, double high) {
 LineTest test_line(Line line, const std::vector<const IndentRow*>& rows, double wanted_um) {
   LineTest test{.line = line, .indents = static_cast<int>(rows.size())};
   test.limit = chi2_limit(test.indents);
-  // Of the first indent's marking: p m / root of 3, in the finest of the pictures.
-  double common_um2 = std::numeric_limits<double>::infinity(), largest_um = 0;
-  for (const IndentRow* row : rows) {
-    const double marking_um = row->indent.pixel_nm * 1e-3 * row->indent.marking_px;
-    common_um2 = std::min(common_um2, marking_um * marking_um / 3);
-    largest_um = std::max(largest_um, std::abs(row->error_um));
-  }
+  const double common_um2 = common_um2_of(rows);
+  double largest_um = 0;
+  for (const IndentRow* row : rows) largest_um = std::max(largest_um, std::abs(row->error_um));
   const auto chi2 = [&](double first_um) {
     double sum = common_um2 > 0 ? first_um * first_um / common_um2 : 0;
     for (const IndentRow* row : rows) {

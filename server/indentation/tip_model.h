@@ -27,7 +27,7 @@ namespace driftwise::indentation {
 struct LineFit {
   Line line = Line::x;
   int indents = 0;
-  double factor = 0, u_factor = 0;        // by the scatter about the line
+  double factor = 0, u_factor = 0;        // by the scatter about the line and the common zero
   double scale_ppm = 0, u_scale_ppm = 0;  // of the microscope, or of the robot's own scale
   double correlation = 0;                 // of the distances and the lever parts, centred
   double rms_um = 0;                      // of the error, nothing modelled

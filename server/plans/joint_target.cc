@@ -130,8 +130,19 @@ bool take_steps(const JointSnapshot& snapshot, const JointRequest& request, Join
       compensation::compute_target(step.predicts, asked, terms, predicted);
       if (predicted.refusal != Refusal::none) {
         refuse(target, predicted.refusal, step.from);
+        target.why = predicted.why;
         return false;
       }
+      // What steps before have added to this pose is not known exactly either.
+      std::array<double, compensation::kMaxOutputs> from_before{};
+      if (asked.with_uncertainty)
+        for (std::size_t v = 0; v < compensation::kVariables; ++v) {
+          if (variance[step.from][v] <= 0) continue;
+          std::array<double, compensation::kMaxOutputs> slope;
+          slopes_of(step.predicts, terms, static_cast<Variable>(v), slope.data());
+          for (std::size_t i = 0; i < predicted.outputs; ++i)
+            from_before[i] += squared(slope[i]) * variance[step.from][v];
+        }
       target.step_flags[s] = predicted.flags & ~std::uint32_t{compensation::kUnknownLimits};
       target.step_outside[s] = predicted.outside;
       target.step_stale[s] = predicted.stale;
@@ -142,6 +153,7 @@ bool take_steps(const JointSnapshot& snapshot, const JointRequest& request, Join
         const double before = first ? 0 : term.value;
         term = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(i),
                 (step.added >> i & 1) != 0, predicted.q_mm[i], predicted.u_nm[i]};
+        if (asked.with_uncertainty) term.u = std::hypot(term.u, std::sqrt(from_before[i]));
         if (!term.added) continue;
         const auto v = static_cast<std::size_t>(step.output[i]);
         target.robot[step.to].pose[v] += term.value - before;
@@ -231,8 +243,9 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
     out.difference_nm = std::max(out.difference_nm, apart_nm);
     target.q_mm[target.outputs] = q;
     double u2 = propagated[i];
-    if (w > 0) u2 += squared(w * fine.u_nm[i]);
-    if (w < 1) u2 += squared((1 - w) * coarse.u_nm[i]);
+    // Both models stand on one zero and on the same declared instruments: their errors are no
+    // independent ones, and an average of them is not better than they are.
+    u2 += squared((w > 0 ? w * fine.u_nm[i] : 0) + (w < 1 ? (1 - w) * coarse.u_nm[i] : 0));
     u2 += squared(w * (1 - w) * apart_nm);
     u2 += squared((1 - w) * fade * (1 - fade) * shift[i] * kNmPerMm);
     target.u_nm[target.outputs] = request.with_uncertainty ? std::sqrt(u2) : kNotANumber;

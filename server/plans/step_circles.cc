@@ -12,6 +12,9 @@ using compensation::bit;
 using compensation::Variable;
 
 constexpr int kPlaces = 5, kGrowthPasses = 60;
+// A circle whose coordinates change places has a growth that alternates: the mean over these passes
+// is that of whole rounds of 2, 3, 4 and 6.
+constexpr int kMeanPasses = 12;
 
 // Largest size of the slope of each output of a step by each coordinate it reads.
 using Slopes = std::array<std::array<double, compensation::kVariables>, compensation::kMaxOutputs>;
@@ -81,7 +84,7 @@ double contraction_of(const JointSnapshot& snapshot) {
   // worst.
   std::array<std::array<double, compensation::kMaxOutputs>, kMostSteps> wrong{};
   for (auto& step : wrong) step.fill(1);
-  double growth = 0;
+  double log_growth = 0;
   for (int pass = 0; pass < kGrowthPasses; ++pass) {
     double before = 0, now = 0;
     for (std::size_t b = 0; b < count; ++b) {
@@ -104,11 +107,11 @@ double contraction_of(const JointSnapshot& snapshot) {
       }
     }
     if (!(now > 0)) return 0;  // no circle: nothing is left to settle
-    growth = now / before;
+    if (pass >= kGrowthPasses - kMeanPasses) log_growth += std::log(now / before);
     for (auto& step : wrong)
       for (double& one : step) one /= now;
   }
-  return growth;
+  return std::exp(log_growth / kMeanPasses);
 }
 
 }  // namespace driftwise::plans

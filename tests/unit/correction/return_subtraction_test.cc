@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace driftwise::correction {
 namespace {
 
@@ -17,6 +19,21 @@ TEST(ReturnSubtraction, TakesTheLineBetweenTheNeighbouringReturnsOff) {
   EXPECT_DOUBLE_EQ(x[1], 1 - (0.001 + 0.004 * 10 / 40));
   EXPECT_DOUBLE_EQ(x[2], 2 - (0.001 + 0.004 * 30 / 40));
   EXPECT_DOUBLE_EQ(x[4], 3 - 0.005);  // after the last return: as there
+}
+
+// A single return in a datum is its own centre, and says nothing of its error. Two of them have one
+// degree of freedom.
+TEST(ReturnSubtraction, KnowsNoSpreadFromOneReturnInEachDatum) {
+  JoinPart part;
+  part.data.rows = 4;
+  part.data.zero = {1, 1, 1, 1};
+  part.data.datum = {1, 2, 3, 4};
+  part.data.columns = {{{"x", "mm"}, {10e-6, -20e-6, 5e-6, 40e-6}}};
+  EXPECT_TRUE(spread_of_returns(part, {0, 1, 2, 3}).empty());
+  part.data.datum = {1, 1, 2, 3};
+  const auto spread = spread_of_returns(part, {0, 1, 2, 3});
+  ASSERT_TRUE(spread.contains("x_mm"));
+  EXPECT_NEAR(spread.at("x_mm"), 30e-6 / std::sqrt(2), 1e-12);  // 10 and -20 nm about -5
 }
 
 TEST(ReturnSubtraction, AlignsZerosBetweenTheTwoPlacesOfAServo) {

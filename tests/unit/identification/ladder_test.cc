@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -77,6 +78,21 @@ TEST(Ladder, TakesTheTermsTheDataWereMadeOfAndStops) {
   // What is left is the noise that was put in, to the statistics of 480 rows: 1 / sqrt(2 n) = 3 %.
   EXPECT_NEAR(ladder->steps.back().a90_rms, 1.645 * 5e-6, 0.8e-6);
   EXPECT_THAT(ladder->stopped, HasSubstr("none of"));
+}
+
+// As a cell with several robots measures it; another robot stands elsewhere meanwhile.
+TEST(Ladder, TakesThePositionOfTheRobotThatTheOutputsAreOf) {
+  auto data = made({.warm = false});
+  auto other = data.columns[1];
+  for (auto& column : data.columns)
+    if (column.channel.symbol != "t04") column.channel.symbol = "ma." + column.channel.symbol;
+  other.channel.symbol = "mn.x";
+  std::ranges::reverse(other.values);
+  data.columns.push_back(other);
+  const auto ladder = climb(data, line_by_line(data));
+  ASSERT_TRUE(ladder) << ladder.error().message;
+  EXPECT_EQ(ladder->formula(), "ma.q1 ~ poly(ma.x, ma.y, 3)");
+  EXPECT_TRUE(formats::fit_formula(data, ladder->formula(), {}));
 }
 
 TEST(Ladder, TakesNoTemperatureThatDoesNothing) {

@@ -84,11 +84,13 @@ TEST(IndentTable, RefusesWhatCannotBeMeantAndNamesIt) {
 TEST(TipModel, CannotTellLeverFromScaleInThePublishedTable) {
   const auto report = *tip_report(*indent_table(published(), {}), 0.2);
   ASSERT_EQ(report.lines.size(), 2U);
-  // Independent least squares (numpy.linalg.lstsq): -1.82 +- 6.31 and 15.09 +- 16.38.
+  // Independent least squares: -1.82 +- 6.31 and 15.09 +- 16.38 by the scatter; the first indent's
+  // marking, +-2.5 pixels of 140 nm in every row of a line, moves the factor of x by 1.87.
   EXPECT_NEAR(report.lines[0].factor, -1.82, 0.005);
-  EXPECT_NEAR(report.lines[0].u_factor, 6.31, 0.005);
+  EXPECT_NEAR(report.lines[0].u_factor, 6.586, 0.0005);
   EXPECT_NEAR(report.lines[1].factor, 15.09, 0.005);
-  EXPECT_NEAR(report.lines[1].u_factor, 16.38, 0.005);
+  EXPECT_NEAR(report.lines[1].u_factor, 16.379, 0.0005);
+  EXPECT_NEAR(report.lines[0].u_scale_ppm, 28590, 0.5);  // 27334 by the scatter alone
   EXPECT_NEAR(report.lines[0].correlation, 0.9998, 5e-5);
   EXPECT_NEAR(report.lines[0].lever_share, 0.17, 0.005);
   EXPECT_NEAR(report.lines[1].lever_share, 0.61, 0.005);

@@ -68,7 +68,15 @@ Answer plain_answer(const JointSnapshot& snapshot, std::array<Values, 2> pose) {
   for (std::size_t pass = 0; pass < snapshot.passes; ++pass) {
     out.terms.clear();
     for (const auto& step : snapshot.steps) {
-      const Target predicted = ask(step.predicts, pose[step.from], pass + 1 == snapshot.passes);
+      const bool last = pass + 1 == snapshot.passes;
+      const Target predicted = ask(step.predicts, pose[step.from], last);
+      std::vector<double> from_before(predicted.outputs);
+      for (std::size_t v = 0; last && v < kAll; ++v) {
+        if (variance[step.from][v] <= 0) continue;
+        const auto slope = plain_slopes(step.predicts, pose[step.from], v);
+        for (std::size_t i = 0; i < predicted.outputs; ++i)
+          from_before[i] += squared(slope[i]) * variance[step.from][v];
+      }
       for (std::size_t i = 0; i < predicted.outputs; ++i) {
         const auto v = static_cast<std::size_t>(step.output[i]);
         const std::size_t term = out.terms.size();
@@ -76,8 +84,8 @@ Answer plain_answer(const JointSnapshot& snapshot, std::array<Values, 2> pose) {
         if ((step.added >> i & 1) == 0) continue;
         pose[step.to][v] += predicted.q_mm[i] - before[term];
         before[term] = predicted.q_mm[i];
-        if (pass + 1 == snapshot.passes)
-          variance[step.to][v] += predicted.u_nm[i] * predicted.u_nm[i];
+        if (last)
+          variance[step.to][v] += squared(std::hypot(predicted.u_nm[i], std::sqrt(from_before[i])));
       }
     }
   }
@@ -112,8 +120,7 @@ Answer plain_answer(const JointSnapshot& snapshot, std::array<Values, 2> pose) {
                                   : w * fine.q_mm[i] + (1 - w) * other);
       const double apart_nm = w > 0 && w < 1 ? std::abs(fine.q_mm[i] - other) * kNmPerMm : 0;
       double u2 = propagated[i];
-      if (w > 0) u2 += squared(w * fine.u_nm[i]);
-      if (w < 1) u2 += squared((1 - w) * coarse.u_nm[i]);
+      u2 += squared((w > 0 ? w * fine.u_nm[i] : 0) + (w < 1 ? (1 - w) * coarse.u_nm[i] : 0));
       u2 += squared(w * (1 - w) * apart_nm);
       u2 += squared((1 - w) * fade * (1 - fade) * moved * kNmPerMm);
       out.u_nm.push_back(std::sqrt(u2));

@@ -138,8 +138,9 @@ TEST_F(JointTargets, CarryTheUncertaintyOfEachAddedTermIntoTheMotors) {
   const auto with = ask(pose);
   // Of ma.x: covariance of the constant 300 nm, residual 400 nm, t09 by 0.002 K x 100 nm/K.
   EXPECT_NEAR(with.term[0].u, std::sqrt(300.0 * 300 + 400.0 * 400 + 0.2 * 0.2), 1e-6);
-  // 1e-6 arcsec where nm are of a length.
-  EXPECT_NEAR(with.term[2].u, 1e6 * std::hypot(0.3, 0.4), 1e-3);
+  // 1e-6 arcsec where nm are of a length. The y that it reads has the u of ma.y: 10 arcsec per mm.
+  EXPECT_NEAR(with.term[2].u, std::hypot(1e6 * std::hypot(0.3, 0.4), 10 * with.term[1].u), 1e-3);
+  EXPECT_NEAR(with.term[3].u, std::hypot(1e6 * std::hypot(0.3, 0.4), 20 * with.term[0].u), 1e-3);
   serve(alone, joint_models(), two_robot_cell());
   const auto without = ask({{"mn.x_mm", 1.0 + with.term[0].value},
                             {"mn.y_mm", 0.5 + with.term[1].value},
@@ -180,7 +181,7 @@ TEST_F(JointTargets, OfABlendHoldTheDisagreementOfItsModels) {
     const double fine_u = std::hypot(10, 100) * (1 + beyond) * (1 + beyond);
     const double coarse_u = std::hypot(10, 1e4);
     EXPECT_NEAR(target.u_nm[at],
-                std::sqrt(0.25 * fine_u * fine_u + 0.25 * coarse_u * coarse_u +
+                std::sqrt(std::pow(0.5 * fine_u + 0.5 * coarse_u, 2) +
                           std::pow(0.25 * (fine - coarse) * 1e6, 2)),
                 0.5);
   }

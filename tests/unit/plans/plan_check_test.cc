@@ -153,6 +153,25 @@ TEST(PlanCheck, PassesACircleOfStepsThatSettles) {
   }
 }
 
+// x by rx, ry by x, y by ry, rx by y: what is wrong comes back to its place after two passes, and
+// the two differ by the slopes' ratio.
+TEST(PlanCheck, MeasuresACircleWhoseCoordinatesChangePlacesByWholeRounds) {
+  for (const bool turned_round : {false, true}) {
+    Case c;
+    auto& motion = c.models.at(kMinAngleMotion);
+    add_slope(motion.outputs[0], "ma.rx", 0.9e-3);
+    add_slope(motion.outputs[1], "ma.ry", 1e-5);
+    motion.domain.push_back({{"ma.rx", "arcsec"}, -300, 300});
+    motion.domain.push_back({{"ma.ry", "arcsec"}, -300, 300});
+    if (turned_round) std::swap(c.plan.steps[0], c.plan.steps[1]);
+    const auto builder = JointBuilder::create(c.plan, PlanId{1}, c.models, c.cell);
+    ASSERT_TRUE(builder);
+    // Two passes leave 10 and 20 arcsec per mm times both.
+    EXPECT_NEAR(contraction_of(builder->build(CellTime{1})), std::sqrt(10 * 20 * 0.9e-3 * 1e-5),
+                1e-9);
+  }
+}
+
 TEST(PlanCheck, GoesOnceThroughStepsThatWaitForNoneOfTheirOwn) {
   const Case c;
   const auto snapshot =

@@ -109,16 +109,19 @@ inline calibration::Model micro_nano_tilt() {
   return model;
 }
 
+// One more term: the output changes by slope with this coordinate.
+inline void add_slope(calibration::OutputModel& output, const std::string& by, double slope) {
+  const auto count = output.coefficients.size();
+  output.terms.push_back(product_of({{by, 1}}));
+  output.coefficients.conservativeResize(count + 1);
+  output.coefficients[count] = slope;
+  output.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(count + 1, count + 1));
+}
+
 // The MinAngle's sideways motion follows its rx as well, by mm per arcsec in x and y: with the
 // tilts of the Micro-Nano a circle, of which a pass leaves 10 arcsec/mm times as much.
 inline void follow_the_tilt(calibration::Model& motion, double mm_per_arcsec) {
-  for (auto& output : motion.outputs) {
-    const auto count = output.coefficients.size();
-    output.terms.push_back(product_of({{"ma.rx", 1}}));
-    output.coefficients.conservativeResize(count + 1);
-    output.coefficients[count] = mm_per_arcsec;
-    output.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(count + 1, count + 1));
-  }
+  for (auto& output : motion.outputs) add_slope(output, "ma.rx", mm_per_arcsec);
   motion.domain.push_back({{"ma.rx", "arcsec"}, -300, 300});
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 
 #include "clients/cli/commands/data/exported_csv.h"
 #include "clients/cli/commands/models/fit_command.h"
@@ -102,8 +103,17 @@ calibration::Executor executor_of(int threads) {
 std::vector<std::string> outputs_of(const Dataset& data, const std::vector<std::string>& named) {
   if (!named.empty()) return named;
   std::vector<std::string> outputs;
-  for (const auto& column : data.columns)
-    if (is_motor_symbol(column.channel.symbol)) outputs.push_back(column.channel.symbol);
+  std::set<std::string_view> robots;
+  for (const auto& column : data.columns) {
+    const std::string& symbol = column.channel.symbol;
+    if (!is_motor_symbol(without_robot(symbol))) continue;
+    outputs.push_back(symbol);
+    robots.insert(robot_of(symbol));
+  }
+  if (robots.size() > 1)
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "the data have motor coordinates of " + std::to_string(robots.size()) +
+                      " robots: name those of one, for example --output " + outputs.front()};
   return outputs;
 }
 
