@@ -87,6 +87,8 @@ Result<std::unique_ptr<RevokedCertificates>> RevokedCertificates::open(
   DRIFTWISE_RETURN_IF_ERROR(read_lists(path, authority));
   std::unique_ptr<RevokedCertificates> out(new RevokedCertificates(path, authority));
   out->look();
+  out->thread_ = std::jthread(
+      [book = out.get()](const std::stop_token& ended) { book->look_again_and_again(ended); });
   return out;
 }
 
@@ -113,27 +115,35 @@ RevokedCertificates::Stamp RevokedCertificates::stamp() const {
 }
 
 void RevokedCertificates::look() {
-  const auto now = std::chrono::steady_clock::now();
-  if (looked_ != std::chrono::steady_clock::time_point{} && now - looked_ < kLook) return;
-  looked_ = now;
   const Stamp present = stamp();
   if (present == read_) return;
   const auto lists = read_lists(path_, authority_);
   if (!lists) return;
-  revoked_.clear();
+  std::unordered_set<std::string> revoked;
   for (const auto& list : *lists) {
     auto* entries = X509_CRL_get_REVOKED(list.get());
     for (int i = 0; entries != nullptr && i < sk_X509_REVOKED_num(entries); ++i)
-      revoked_.insert(place_of(X509_CRL_get_issuer(list.get()),
-                               X509_REVOKED_get0_serialNumber(sk_X509_REVOKED_value(entries, i))));
+      revoked.insert(place_of(X509_CRL_get_issuer(list.get()),
+                              X509_REVOKED_get0_serialNumber(sk_X509_REVOKED_value(entries, i))));
   }
   read_ = present;
+  const std::lock_guard lock(mutex_);
+  revoked_ = std::move(revoked);
 }
+
+void RevokedCertificates::look_again_and_again(const std::stop_token& ended) {
+  std::unique_lock lock(sleeping_);
+  while (!ended.stop_requested()) {
+    woken_.wait_for(lock, ended, kLook, [] { return false; });
+    if (!ended.stop_requested()) look();
+  }
+}
+
+RevokedCertificates::~RevokedCertificates() = default;
 
 bool RevokedCertificates::contains(const std::string& certificate_pem) {
   if (certificate_pem.empty()) return false;
   const std::lock_guard lock(mutex_);
-  look();
   auto known = known_.find(certificate_pem);
   if (known == known_.end()) {
     const HeldBytes bytes(

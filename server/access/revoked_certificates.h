@@ -6,10 +6,13 @@
 // Any thread.
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -25,10 +28,12 @@ class RevokedCertificates {
                                                            const std::string& authority);
   RevokedCertificates(const RevokedCertificates&) = delete;
   RevokedCertificates& operator=(const RevokedCertificates&) = delete;
+  ~RevokedCertificates();
 
-  // The certificate, in PEM form, is on the list; true for a text that is no certificate. The file
-  // is looked at (not read) at most once a second. One that cannot be read any more changes
-  // nothing: the last good list holds.
+  // The certificate, in PEM form, is on the list; true for a text that is no certificate. Answered
+  // from memory: a thread of its own looks at the file once a second, for a folder on a server that
+  // is gone does not answer. One that cannot be read any more changes nothing: the last good list
+  // holds.
   bool contains(const std::string& certificate_pem);
 
   // For the alarms: the list as it is on disk now. Errors: those of open();
@@ -48,13 +53,16 @@ class RevokedCertificates {
       : path_(std::move(path)), authority_(std::move(authority)) {}
   Stamp stamp() const;
   void look();
+  void look_again_and_again(const std::stop_token& ended);
 
   std::string path_, authority_;
   std::mutex mutex_;
   std::unordered_set<std::string> revoked_;             // issuer and serial number
   std::unordered_map<std::string, std::string> known_;  // of a PEM text; a bounded number
-  Stamp read_;
-  std::chrono::steady_clock::time_point looked_;
+  Stamp read_;                                          // the thread's
+  std::mutex sleeping_;
+  std::condition_variable_any woken_;
+  std::jthread thread_;  // last: it ends first
 };
 
 }  // namespace driftwise::access

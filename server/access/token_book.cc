@@ -65,9 +65,9 @@ Result<void> TokenBook::read() {
   return {};
 }
 
-Result<void> TokenBook::write() const {
+Result<void> TokenBook::write(const std::vector<Kept>& tokens) const {
   Json all = {{"driftwise_tokens", 1}, {"tokens", Json::array()}};
-  for (const auto& kept : tokens_) {
+  for (const auto& kept : tokens) {
     Json one = {{"id", kept.record.id},
                 {"name", kept.record.name},
                 {"role", to_string(kept.record.role)},
@@ -106,16 +106,16 @@ Result<FreshToken> TokenBook::create(const std::string& name, Role role, const s
     DRIFTWISE_TRY(auto hash, scrypt_of(parts.secret, fresh.salt, cost_));
     fresh.hash = std::move(hash);
   }
-  const std::lock_guard lock(mutex_);
-  if (tokens_.size() >= kMostTokens)
+  const std::lock_guard writing(writing_);
+  auto tokens = all();
+  if (tokens.size() >= kMostTokens)
     return fail(ErrorCode::resource_exhausted, reasons::kTooManyTokens,
                 "there are " + std::to_string(kMostTokens) +
                     " tokens, no more are kept: revoke those that nobody uses");
-  tokens_.push_back(fresh);
-  if (auto written = write(); !written) {
-    tokens_.pop_back();
-    return tl::unexpected(written.error());
-  }
+  tokens.push_back(fresh);
+  DRIFTWISE_RETURN_IF_ERROR(write(tokens));
+  const std::lock_guard lock(mutex_);
+  tokens_ = std::move(tokens);
   return FreshToken{fresh.record, token_text(parts)};
 }
 
@@ -127,23 +127,26 @@ std::vector<TokenRecord> TokenBook::list() const {
 }
 
 Result<TokenRecord> TokenBook::revoke(const std::string& id) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard writing(writing_);
+  auto tokens = all();
   const auto found =
-      std::ranges::find_if(tokens_, [&](const Kept& kept) { return kept.record.id == id; });
-  if (found == tokens_.end())
+      std::ranges::find_if(tokens, [&](const Kept& kept) { return kept.record.id == id; });
+  if (found == tokens.end())
     return fail(ErrorCode::not_found, reasons::kNoToken,
                 "there is no token '" + clean_line(id.substr(0, 64)) +
                     "': 'driftwise token list' shows those there are");
   const Kept gone = *found;
-  const auto place = found - tokens_.begin();
-  tokens_.erase(found);
+  tokens.erase(found);
+  DRIFTWISE_RETURN_IF_ERROR(write(tokens));  // what the file says is what is so
+  const std::lock_guard lock(mutex_);
+  tokens_ = std::move(tokens);
   std::erase_if(known_, [&](const auto& one) { return one.second == id; });
-  if (auto written = write(); !written) {
-    // Still out of force in this process? No: what the file says is what is so.
-    tokens_.insert(tokens_.begin() + place, gone);
-    return tl::unexpected(written.error());
-  }
   return gone.record;
+}
+
+std::vector<TokenBook::Kept> TokenBook::all() const {
+  const std::lock_guard lock(mutex_);
+  return tokens_;
 }
 
 bool TokenBook::in_force(std::string_view id, std::int64_t now_utc_s) const {

@@ -69,13 +69,15 @@ class TokenBook {
     ScryptCost cost;
   };
   TokenBook(std::string path, ScryptCost cost) : path_(std::move(path)), cost_(cost) {}
-  Result<void> write() const;
+  Result<void> write(const std::vector<Kept>& tokens) const;
+  std::vector<Kept> all() const;
   Result<void> read();
 
   std::string path_;
   ScryptCost cost_;
-  mutable std::mutex mutex_;
-  std::mutex hashing_;  // one scrypt at a time: 16 MiB
+  mutable std::mutex mutex_;  // never held while the file is written: every call needs it
+  std::mutex writing_;        // one change at a time, the file included
+  std::mutex hashing_;        // one scrypt at a time: 16 MiB
   std::vector<Kept> tokens_;
   std::map<std::string, std::string> known_;  // SHA-256 of a good text -> id
 };

@@ -164,9 +164,29 @@ std::string first_of(const std::vector<std::string>& sentences) {
   return text;
 }
 
+Result<void> check_options(const Iso2303Options& options) {
+  const auto is_duration = [](double value) { return std::isfinite(value) && value > 0; };
+  const auto refuse = [](const char* what, double found, const char* unit) {
+    return fail(ErrorCode::invalid_argument, reasons::kOutOfRange,
+                std::string(what) + ": found " + number_with(found, unit) +
+                    ", expected a duration above 0");
+  };
+  if (!is_duration(options.hours)) return refuse("hours", options.hours, "h");
+  if (!is_duration(options.longest_gap_min))
+    return refuse("longest_gap_min", options.longest_gap_min, "min");
+  if (options.windows_min.size() > kMostWindows)
+    return fail(ErrorCode::invalid_argument, reasons::kOutOfRange,
+                "windows_min: found " + std::to_string(options.windows_min.size()) +
+                    " of them, expected at most " + std::to_string(kMostWindows));
+  for (const double minutes : options.windows_min)
+    if (!is_duration(minutes)) return refuse("windows_min", minutes, "min");
+  return {};
+}
+
 }  // namespace
 
 Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) {
+  DRIFTWISE_RETURN_IF_ERROR(check_options(options));
   DRIFTWISE_TRY(const auto columns, find_axis_columns(dataset, options.columns));
   if (dataset.time_s.empty())
     return lacks_drift(reasons::kUntimed, "needs the time of each row (time_s), found none");

@@ -18,6 +18,8 @@
 
 namespace driftwise::standards {
 
+inline constexpr std::size_t kMostWindows = 32;  // each is a pass over the visits
+
 struct Iso2303Options {
   AxisColumns columns = {};
   double hours = 4;                                 // the test lasts at least so long
@@ -50,8 +52,9 @@ struct Iso2303 {
 // A position's series are its visits from one side, or at rest; those that span less than nine
 // tenths of the test, or leave gaps longer than longest_gap_min, are left out, with a warning.
 // Returns to zero are a position like any other here, without the warning.
-// Errors: those of find_axis_columns and column_mm; failed_precondition: UNTIMED, TOO_SHORT,
-// NO_SERIES naming what each position lacks.
+// Errors: invalid_argument OUT_OF_RANGE for a duration that is not above 0 and for more than
+// kMostWindows windows; those of find_axis_columns and column_mm; failed_precondition: UNTIMED,
+// TOO_SHORT, NO_SERIES naming what each position lacks.
 Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options);
 
 }  // namespace driftwise::standards

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -33,10 +35,12 @@ class Text {
     fmt::format_to(std::back_inserter(out_), "# HELP {0} {2}\n# TYPE {0} {1}\n", name, type, help);
   }
   void sample(std::string_view name, std::string_view labels, double value) {
+    const std::string number =
+        std::isinf(value) ? (value > 0 ? "+Inf" : "-Inf") : fmt::format("{}", value);
     if (labels.empty())
-      fmt::format_to(std::back_inserter(out_), "{} {}\n", name, value);
+      fmt::format_to(std::back_inserter(out_), "{} {}\n", name, number);
     else
-      fmt::format_to(std::back_inserter(out_), "{}{{{}}} {}\n", name, labels, value);
+      fmt::format_to(std::back_inserter(out_), "{}{{{}}} {}\n", name, labels, number);
   }
   std::string take() { return std::move(out_); }
 
@@ -88,10 +92,11 @@ void values(Text& text, const application::CellStatus& status) {
     }
   }
   text.family("driftwise_channel_age_seconds", "gauge",
-              "Cell seconds since the channel was measured.");
+              "Cell seconds since the channel was measured; +Inf: never since the start.");
   for (const auto& value : status.values)
     text.sample("driftwise_channel_age_seconds",
-                fmt::format("channel=\"{}\"", label(value.channel.symbol)), value.age_s);
+                fmt::format("channel=\"{}\"", label(value.channel.symbol)),
+                value.at.utc_ns == 0 ? std::numeric_limits<double>::infinity() : value.age_s);
 }
 
 void run(Text& text, const application::RunProgress& progress) {

@@ -155,9 +155,10 @@ ImprovementRecord read_improvement(Session& session, ImprovementId id) {
   return record;
 }
 
+// Without the plans' texts: a list shows none of them, and 200 may have 8 MiB each.
 std::vector<ImprovementRecord> read_improvements(Session& session, int limit) {
   Query query(session.db,
-              "SELECT improvement_id, state, reason, trajectory_name, trajectory_text, formula, "
+              "SELECT improvement_id, state, reason, trajectory_name, '', formula, "
               "max_turns, budget_s, promotes, request_id, created_ns, created_by, ended_ns FROM "
               "improvement ORDER BY improvement_id DESC LIMIT ?");
   query.bind(limit > 0 ? limit : -1);

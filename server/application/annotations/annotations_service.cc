@@ -53,7 +53,7 @@ Awaitable<Result<ExclusionState>> AnnotationsService::exclude_rows(Caller caller
   if (!stored.rows.empty()) {
     std::vector<std::int64_t> from_one = stored.rows;  // the record counts from 0
     for (auto& row : from_one) ++row;
-    const auto rows = formats::row_ranges_text(from_one);
+    const auto rows = formats::row_ranges_told(from_one);
     auto detail =
         fmt::format("{} {} of run {} {} fits: {}", caller.name,
                     stored.excluded ? "keeps rows " + rows : "puts rows " + rows, stored.run.value,

@@ -22,6 +22,20 @@ bool whole_number(std::string_view text, std::int64_t& number) {
   return code == std::errc{} && stop == end && !text.empty() && number >= 0;
 }
 
+// rest: the first row that is in none of them.
+std::string first_ranges(const std::vector<std::int64_t>& rows, std::size_t most,
+                         std::size_t& rest) {
+  std::string text;
+  for (std::size_t ranges = 0; rest < rows.size() && ranges < most; ++ranges) {
+    std::size_t last = rest;
+    while (last + 1 < rows.size() && rows[last + 1] == rows[last] + 1) ++last;
+    text += (text.empty() ? "" : ",") + std::to_string(rows[rest]);
+    if (last > rest) text += "-" + std::to_string(rows[last]);
+    rest = last + 1;
+  }
+  return text;
+}
+
 }  // namespace
 
 Result<std::vector<std::int64_t>> parse_row_ranges(std::string_view text) {
@@ -53,14 +67,17 @@ Result<std::vector<std::int64_t>> parse_row_ranges(std::string_view text) {
 }
 
 std::string row_ranges_text(const std::vector<std::int64_t>& rows) {
-  std::string text;
-  for (std::size_t i = 0; i < rows.size();) {
-    std::size_t last = i;
-    while (last + 1 < rows.size() && rows[last + 1] == rows[last] + 1) ++last;
-    text += (text.empty() ? "" : ",") + std::to_string(rows[i]);
-    if (last > i) text += "-" + std::to_string(rows[last]);
-    i = last + 1;
-  }
+  std::size_t rest = 0;
+  return first_ranges(rows, rows.size(), rest);
+}
+
+std::string row_ranges_told(const std::vector<std::int64_t>& rows) {
+  constexpr std::size_t kTold = 10;
+  std::size_t rest = 0;
+  auto text = first_ranges(rows, kTold, rest);
+  if (rest < rows.size())
+    text += " and " + std::to_string(rows.size() - rest) + " more (" + std::to_string(rows.size()) +
+            " rows)";
   return text;
 }
 

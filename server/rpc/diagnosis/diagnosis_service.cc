@@ -2,6 +2,7 @@
 #include "server/application/diagnoses/diagnoses.h"
 #include "server/application/diagnoses/extensions.h"
 #include "server/application/improvement/improvements.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -30,6 +31,31 @@ Result<formats::DiscrepancyRows> rows_of(Store& store, DiagnosisId id) {
   return formats::read_discrepancy_rows(bytes);
 }
 
+// Thousands of rows become a message, and a page, on other threads than the executor.
+Result<v1::DiscrepancyRows> rows_message_of(Store& store, DiagnosisId id) {
+  DRIFTWISE_TRY(const auto rows, rows_of(store, id));
+  return rows_from(rows);
+}
+
+std::string page_of(const application::DiagnosisView& view, const formats::DiscrepancyRows& rows) {
+  auto found = *view.found;
+  const auto dataset = formats::dataset_of(rows, found);
+  std::string source;
+  for (const RunId run : view.record.runs)
+    source += (source.empty() ? "run " : ", ") + std::to_string(run.value);
+  if (source.empty()) source = "a file";
+  const auto robot = formats::robot_of_formula(view.record.baseline);
+  if (!robot.empty()) source += ", robot " + robot;
+  return formats::diagnosis_html(
+      found, dataset,
+      {"Diagnosis " + std::to_string(view.record.id.value) + " of " + source, source});
+}
+
+Result<std::string> page_text_of(const application::DiagnosisView& view,
+                                 const formats::DiscrepancyRows& rows) {
+  return utf8_from(page_of(view, rows));
+}
+
 class DiagnosisService final : public v1::DiagnosisService::CallbackService {
  public:
   explicit DiagnosisService(const application::Services& cell)
@@ -56,8 +82,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       auto looking = diagnoses_.get(id);
       auto good = put(co_await std::move(looking), *response->mutable_diagnosis());
       if (!good || !request->with_rows()) co_return good;
-      DRIFTWISE_CO_TRY(const auto rows, co_await records_.call(rows_of, id));
-      *response->mutable_rows() = rows_from(rows);
+      DRIFTWISE_CO_TRY(auto rows, co_await records_.call(rows_message_of, id));
+      *response->mutable_rows() = std::move(rows);
       co_return Result<void>{};
     });
   }
@@ -101,8 +127,10 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       if (!view.found)
         co_return fail(ErrorCode::failed_precondition, reasons::kNotDone,
                        "only a diagnosis that is done has a page");
-      DRIFTWISE_CO_TRY(const auto rows, co_await records_.call(rows_of, id));
-      response->set_html(utf8_from(page_of(view, rows)));
+      DRIFTWISE_CO_TRY(auto rows, co_await records_.call(rows_of, id));
+      DRIFTWISE_CO_TRY(auto page, co_await application::run_on(host_.background(), page_text_of,
+                                                               view, std::move(rows)));
+      response->set_html(std::move(page));
       response->set_file_name("diagnosis_" + std::to_string(id.value) + ".html");
       co_return Result<void>{};
     });
@@ -194,21 +222,6 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
   }
 
  private:
-  static std::string page_of(const application::DiagnosisView& view,
-                             const formats::DiscrepancyRows& rows) {
-    auto found = *view.found;
-    const auto dataset = formats::dataset_of(rows, found);
-    std::string source;
-    for (const RunId run : view.record.runs)
-      source += (source.empty() ? "run " : ", ") + std::to_string(run.value);
-    if (source.empty()) source = "a file";
-    const auto robot = formats::robot_of_formula(view.record.baseline);
-    if (!robot.empty()) source += ", robot " + robot;
-    return formats::diagnosis_html(
-        found, dataset,
-        {"Diagnosis " + std::to_string(view.record.id.value) + " of " + source, source});
-  }
-
   static Result<void> put(const Result<application::DiagnosisView>& view, v1::Diagnosis& out) {
     DRIFTWISE_RETURN_IF_ERROR(view);
     out = diagnosis_from(*view, DiagnosisDetail::whole);

@@ -5,6 +5,7 @@
 #include "server/application/checks/model_checks.h"
 #include "server/application/models/models.h"
 #include "server/application/models/promotions.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/provenance/provenance.h"
 #include "server/application/status/overview.h"
@@ -212,8 +213,9 @@ class ModelService final : public v1::ModelService::CallbackService {
       DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
       auto asking =
           models_.residuals(ModelId{request->model_id()}, std::move(runs), request->csv());
-      DRIFTWISE_CO_TRY(const auto residuals, co_await std::move(asking));
-      *response = residuals_from(residuals);
+      DRIFTWISE_CO_TRY(auto residuals, co_await std::move(asking));
+      *response =
+          co_await application::run_on(host_.background(), residuals_from, std::move(residuals));
       co_return Result<void>{};
     });
   }

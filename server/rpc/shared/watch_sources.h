@@ -6,6 +6,7 @@
 // readings: the newest 256, and a count of those missed. export, archive, report: all of it, in
 // pieces, within the memory that there is for whole texts (whole_texts.h).
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -48,10 +49,12 @@ std::unique_ptr<StreamSource<v1::WatchReadingsResponse>> watch_readings(applicat
 
 // The first at once, then one after each rebuild of the snapshot, at least min_interval of wall
 // time apart. Ends with the error when a target is refused (no model serves, or the cell refuses
-// stale ones): ask again later.
+// stale ones): ask again later. take_place: one of the places of those who search an arm's joints,
+// given back with the last owner; null: all are taken, and the target comes a second later.
 std::unique_ptr<StreamSource<v1::WatchTargetsResponse>> watch_targets(
     const application::Host& host, application::Targets& targets,
-    compensation::TargetRequest request, Nanoseconds min_interval);
+    compensation::TargetRequest request, Nanoseconds min_interval,
+    std::function<std::shared_ptr<void>()> take_place);
 
 std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(
     std::shared_ptr<WholeTexts> texts, application::Datasets& datasets, std::vector<RunId> runs,

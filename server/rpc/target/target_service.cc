@@ -103,8 +103,9 @@ class TargetService final : public v1::TargetService::CallbackService {
     const auto interval =
         nanoseconds_from(request->min_interval_duration(), "min_interval_duration");
     if (!interval) return refuse_stream<v1::WatchTargetsResponse>(interval.error());
-    return Stream<v1::WatchTargetsResponse>::open(host_.executor(),
-                                                  watch_targets(host_, targets_, *pose, *interval));
+    return Stream<v1::WatchTargetsResponse>::open(
+        host_.executor(), watch_targets(host_, targets_, *pose, *interval,
+                                        [searches = searches_] { return searches->take(); }));
   }
 
  private:

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -33,11 +35,12 @@ std::shared_ptr<Answered> answered_by(const compensation::Snapshot& snapshot,
 class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
  public:
   TargetSource(const Host& host, Targets& targets, compensation::TargetRequest request,
-               Nanoseconds min_interval)
+               Nanoseconds min_interval, std::function<std::shared_ptr<void>()> take_place)
       : host_(host),
         targets_(targets),
         request_(request),
         min_interval_(min_interval),
+        take_place_(std::move(take_place)),
         timer_(host.executor()) {}
 
   void start(std::function<void()> wake) override {
@@ -63,7 +66,13 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
     static const compensation::Snapshot nothing;  // its refusal says that no model serves
     const auto& present = snapshot ? *snapshot : nothing;
     if (!compensation::needs_search(present, request_)) return told(answered_by(present, request_));
-    search(present);
+    if (auto place = take_place_()) {
+      search(present, std::move(place));
+    } else {
+      due_ = true;
+      not_before_ = now + std::max<Nanoseconds>(min_interval_, std::chrono::seconds(1));
+      wait_until(not_before_);
+    }
     return std::nullopt;
   }
   std::optional<Result<void>> ended() override { return end_; }
@@ -76,17 +85,18 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
   }
 
   // From a copy: whoever holds the board's snapshot holds up the writer.
-  void search(const compensation::Snapshot& present) {
+  void search(const compensation::Snapshot& present, std::shared_ptr<void> place) {
     searching_ = true;
-    boost::asio::post(
-        host_.background(),
-        [kept = std::make_shared<const compensation::Snapshot>(present), request = request_,
-         executor = host_.executor(), me = std::weak_ptr<TargetSource*>(me_)]() mutable {
-          boost::asio::post(executor, [found = answered_by(*kept, request), me = std::move(me)] {
-            const auto alive = me.lock();  // a source goes on this thread
-            if (alive) (*alive)->take(found);
-          });
-        });
+    boost::asio::post(host_.background(),
+                      [kept = std::make_shared<const compensation::Snapshot>(present),
+                       request = request_, executor = host_.executor(),
+                       me = std::weak_ptr<TargetSource*>(me_), place = std::move(place)]() mutable {
+                        boost::asio::post(
+                            executor, [found = answered_by(*kept, request), me = std::move(me)] {
+                              const auto alive = me.lock();  // a source goes on this thread
+                              if (alive) (*alive)->take(found);
+                            });
+                      });
   }
   void take(std::shared_ptr<Answered> found) {
     searching_ = false;
@@ -105,6 +115,7 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
   Targets& targets_;
   compensation::TargetRequest request_;
   Nanoseconds min_interval_;
+  std::function<std::shared_ptr<void>()> take_place_;
   boost::asio::steady_timer timer_;
   WallClock::time_point not_before_{};
   std::function<void()> wake_;
@@ -120,8 +131,9 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
 
 std::unique_ptr<StreamSource<v1::WatchTargetsResponse>> watch_targets(
     const Host& host, Targets& targets, compensation::TargetRequest request,
-    Nanoseconds min_interval) {
-  return std::make_unique<TargetSource>(host, targets, request, min_interval);
+    Nanoseconds min_interval, std::function<std::shared_ptr<void>()> take_place) {
+  return std::make_unique<TargetSource>(host, targets, request, min_interval,
+                                        std::move(take_place));
 }
 
 }  // namespace driftwise::rpc

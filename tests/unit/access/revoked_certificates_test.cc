@@ -2,8 +2,11 @@
 
 #include "server/access/revoked_certificates.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <ctime>
 #include <filesystem>
@@ -73,6 +76,26 @@ TEST_F(RevokedCertificatesTest, AreKnownAsSoonAsTheListHasThem) {
   tests::write_file(at("revoked.pem"), "nonsense");
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   EXPECT_TRUE((*list)->contains(text("ada")));
+}
+
+// A pipe that nobody writes to stands for a folder on a server that is gone.
+TEST_F(RevokedCertificatesTest, AreToldFromMemoryWhileTheListDoesNotAnswer) {
+  openssl({"ca", "-batch", "-config", "authority.cnf", "-revoke", "ada.pem"});
+  write_list("authority");
+  const auto list = open();
+  ASSERT_TRUE(list) << list.error().message;
+  std::filesystem::remove(at("revoked.pem"));
+  ASSERT_EQ(::mkfifo(at("revoked.pem").c_str(), 0600), 0);
+  int pipe = -1;  // opens as soon as somebody reads
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (pipe < 0 && std::chrono::steady_clock::now() < until) {
+    pipe = ::open(at("revoked.pem").c_str(), O_WRONLY | O_NONBLOCK);
+    if (pipe < 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_GE(pipe, 0) << "nobody looked at the list";
+  EXPECT_TRUE((*list)->contains(text("ada")));
+  EXPECT_FALSE((*list)->contains(text("eve")));
+  ::close(pipe);
 }
 
 TEST_F(RevokedCertificatesTest, AreRefusedByTheAuthoriserInASentence) {

@@ -111,6 +111,31 @@ TEST(Iso2303, NamesASeriesThatIsInNoFigure) {
           "1 series of visits are in no figure: 3.5 mm from below has 1 visits, expected")));
 }
 
+// They come over the network too, where no command line has looked at them.
+TEST(Iso2303, RefusesADurationThatIsNoneAndTooManyWindows) {
+  const auto data = standards_dataset("iso230_3.csv");
+  const auto refused = [&](auto change) {
+    Iso2303Options options;
+    change(options);
+    const auto found = iso230_3(data, options);
+    return found ? std::string("taken") : found.error().reason + ": " + found.error().message;
+  };
+  const double nan = std::nan("");
+  for (const double minutes : {-1e6, -5.0, 0.0, nan, HUGE_VAL})
+    EXPECT_THAT(refused([&](auto& o) {
+                  o.windows_min = {15, minutes};
+                }),
+                HasSubstr("OUT_OF_RANGE: windows_min: found"))
+        << minutes;
+  EXPECT_THAT(refused([&](auto& o) { o.hours = 0; }), HasSubstr("OUT_OF_RANGE: hours"));
+  EXPECT_THAT(refused([&](auto& o) { o.hours = nan; }), HasSubstr("OUT_OF_RANGE: hours"));
+  EXPECT_THAT(refused([&](auto& o) { o.longest_gap_min = -30; }),
+              HasSubstr("OUT_OF_RANGE: longest_gap_min"));
+  EXPECT_THAT(refused([&](auto& o) { o.windows_min.assign(kMostWindows + 1, 15); }),
+              HasSubstr("found 33 of them, expected at most 32"));
+  EXPECT_EQ(refused([&](auto& o) { o.windows_min.assign(kMostWindows, 15); }), "taken");
+}
+
 TEST(Iso2303, SaysWhatALackingRunLacks) {
   const auto data = standards_dataset("iso230_3.csv");
   const auto longer = iso230_3(data, {.columns = {}, .hours = 24});

@@ -23,7 +23,7 @@ application::CellStatus status_with_one_of_each() {
   device.health.errors = 3;
   status.devices.push_back(device);
   status.values.push_back(
-      {.channel = {"t07", "degC"}, .value = 20.5, .at = {}, .age_s = 2.0, .device = "scanner"});
+      {.channel = {"t07", "degC"}, .value = 20.5, .at = {1}, .age_s = 2.0, .device = "scanner"});
   status.values.push_back({.channel = {"t08", "degC"}, .at = {}, .device = "scanner"});
   application::RunProgress progress;
   progress.run.id = {7};
@@ -42,6 +42,9 @@ TEST(MetricsText, NamesDevicesChannelsAndTheRun) {
   EXPECT_THAT(text, HasSubstr("driftwise_device_up{device=\"laser-x\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("driftwise_device_errors_total{device=\"laser-x\"} 3\n"));
   EXPECT_THAT(text, HasSubstr("driftwise_temperature_celsius{channel=\"t07\"} 20.5\n"));
+  EXPECT_THAT(text, HasSubstr("driftwise_channel_age_seconds{channel=\"t07\"} 2\n"));
+  // Never read: the rule for old channels holds.
+  EXPECT_THAT(text, HasSubstr("driftwise_channel_age_seconds{channel=\"t08\"} +Inf\n"));
   EXPECT_THAT(text, HasSubstr("driftwise_run_state{run=\"7\",state=\"running\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("driftwise_run_points_accepted_total{run=\"7\"} 12\n"));
 }
