@@ -253,7 +253,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
     if (arguments.check) return tl::unexpected(page.error());
     spdlog::warn("{}", page.error().message);  // no reason not to measure
   }
-  warn_of_secrets(description.receivers);
+  warn_of_secrets(description.receivers, description.watchdog);
   if (arguments.check) {
     DRIFTWISE_RETURN_IF_ERROR(check_database_folder(description.database));
     DRIFTWISE_RETURN_IF_ERROR(access::Access::check(description.access));

@@ -17,7 +17,8 @@ void warn_of_certificate(const AccessDescription& access) {
   if (!good) spdlog::warn("{}", good.error().message);
 }
 
-void warn_of_secrets(const std::vector<ReceiverDescription>& receivers) {
+void warn_of_secrets(const std::vector<ReceiverDescription>& receivers,
+                     const WatchdogRules& watchdog) {
   for (const auto& receiver : receivers)
     for (const auto& path : {receiver.token_file, receiver.password_file}) {
       if (path.empty()) continue;
@@ -25,6 +26,9 @@ void warn_of_secrets(const std::vector<ReceiverDescription>& receivers) {
       if (!secret)
         spdlog::warn("receiver {} cannot be told: {}", receiver.name, secret.error().message);
     }
+  if (watchdog.token_file.empty()) return;
+  if (const auto secret = notify::read_secret(watchdog.token_file); !secret)
+    spdlog::warn("the watchdog's other side cannot be told: {}", secret.error().message);
 }
 
 }  // namespace driftwise

@@ -1,7 +1,7 @@
 # Shared by the demos: a simulated cell and its daemon, started and ended by this script. Sourced after common.sh.
 
 bin=$root/build/${DRIFTWISE_BUILD:-release}/bin
-cellsim= daemon=
+cellsim= daemon= taken=
 
 finish() {
   # only what this script started, by pid
@@ -33,6 +33,10 @@ wait_for() {  # wait_for FILE PID WHAT: until the file is there, for at most 60 
 start_cell() {
   cell=$root/deploy/cells/$1
   out=$root/out/${instance:-$1}
+  mkdir -p "$root/out"
+  [ -z "$taken" ] || exec {taken}>&-  # of the cell before
+  exec {taken}>"$out.lock"  # until this script ends
+  flock -n "$taken" || die "a cell runs in $out already (deploy/demo.sh --keep in another terminal?): end that one first"
   rm -rf "$out"; mkdir -p "$out"; cd "$out"
   "$bin/driftwise-cellsim" --plant "$cell/plant.toml" --cell "$cell/cell.toml" --instantiate "$out" --speed "$2" --seed "$3" "${@:4}" \
     >"$out/cellsim.out" 2>"$out/cellsim.log" & cellsim=$!

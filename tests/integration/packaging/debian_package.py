@@ -44,7 +44,7 @@ def main():
         said(["dpkg-deb", "--extract", package, tree])
         prefix = next(os.path.join(root[:-len("/bin")]) for root, _, files in os.walk(tree) if "driftwised" in files)
         for path in ("bin/driftwise", "bin/driftwise-cellsim", "lib/systemd/system/driftwised@.service",
-                     "lib/sysusers.d/driftwise.conf", "share/driftwise/systemd/serial.conf", "share/driftwise/monitoring/rules.yml", "share/man/man1/driftwise-run.1",
+                     "lib/sysusers.d/driftwise.conf", "share/driftwise/systemd/serial.conf", "share/driftwise/web/index.html", "share/driftwise/monitoring/rules.yml", "share/man/man1/driftwise-run.1",
                      "share/bash-completion/completions/driftwise", "share/zsh/site-functions/_driftwise",
                      "share/fish/vendor_completions.d/driftwise.fish", "share/driftwise/cells/linear-axis/cell.toml"):
             check(os.path.exists(os.path.join(prefix, path)), "holds " + path)

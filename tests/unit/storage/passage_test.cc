@@ -86,8 +86,8 @@ TEST_F(PassageStoreTest, OfAnImportedFileItCountsAsNoPointOfTheRun) {
   EXPECT_EQ(imported.rows, 3);
   EXPECT_EQ(imported.accepted, 3);
   std::vector<std::int64_t> rows;
-  for (const auto& point : store->points().points(imported.id, 0, 0).value())
-    rows.push_back(point.row);
+  const auto points = store->points().points(imported.id, 0, 0).value();
+  for (const auto& point : points) rows.push_back(point.row);
   EXPECT_THAT(rows, ElementsAre(0, 3, 1, 4, 2)) << "passages after the rows of the plan";
   const auto read = store->runs().dataset(std::vector{imported.id}).value();
   EXPECT_THAT(read.find("x")->values, ElementsAre(1, 2, 3, 4, 5)) << "in the order of the file";
