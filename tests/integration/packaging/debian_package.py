@@ -12,6 +12,7 @@ import sys
 import tempfile
 
 SKIPPED = 77
+SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../.."))
 
 
 def check(condition, sentence):
@@ -44,10 +45,12 @@ def main():
         said(["dpkg-deb", "--extract", package, tree])
         prefix = next(os.path.join(root[:-len("/bin")]) for root, _, files in os.walk(tree) if "driftwised" in files)
         for path in ("bin/driftwise", "bin/driftwise-cellsim", "lib/systemd/system/driftwised@.service",
-                     "lib/sysusers.d/driftwise.conf", "share/driftwise/systemd/serial.conf", "share/driftwise/web/index.html", "share/driftwise/monitoring/rules.yml", "share/man/man1/driftwise-run.1",
+                     "lib/sysusers.d/driftwise.conf", "share/driftwise/systemd/serial.conf", "share/driftwise/monitoring/rules.yml", "share/man/man1/driftwise-run.1",
                      "share/bash-completion/completions/driftwise", "share/zsh/site-functions/_driftwise",
                      "share/fish/vendor_completions.d/driftwise.fish", "share/driftwise/cells/linear-axis/cell.toml"):
             check(os.path.exists(os.path.join(prefix, path)), "holds " + path)
+        if os.path.exists(os.path.join(SOURCE, "clients/web/dist/index.html")):  # without Node there is none
+            check(os.path.exists(os.path.join(prefix, "share/driftwise/web/index.html")), "holds the page")
         check(not os.path.exists(os.path.join(prefix, "include")), "holds no headers: those are for developers")
         check(re.match(r"\d+\.\d+\.\d+", said([prefix + "/bin/driftwise", "--version"])), "the command line runs")
         if shutil.which("systemd-analyze"):
