@@ -133,7 +133,7 @@ bool take_steps(const JointSnapshot& snapshot, const JointRequest& request, Join
         target.why = predicted.why;
         return false;
       }
-      // What steps before have added to this pose is not known exactly either.
+      // Variance of what earlier steps added to this pose, through this step's slopes.
       std::array<double, compensation::kMaxOutputs> from_before{};
       if (asked.with_uncertainty)
         for (std::size_t v = 0; v < compensation::kVariables; ++v) {

@@ -1,5 +1,5 @@
 #pragma once
-// What fresh points say of a gain, by the A90 of the model before and of the new one on the same
+// Verdict of fresh points on a gain, by the A90 of the model before and of the new one on the same
 // points.
 
 #include <optional>

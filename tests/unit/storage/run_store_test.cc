@@ -184,7 +184,7 @@ TEST_F(RunStoreTest, AStopPausesTheNewestRunThatIsQueuedAndNoOlderOne) {
   EXPECT_EQ(store->runs().run(never_begun)->state, RunState::queued);
   EXPECT_EQ(store->runs().run(about_to_begin)->state, RunState::paused);
   EXPECT_EQ(store->runs().run(about_to_begin)->reason, "stopped by bob");
-  // Who resumes it names this stop.
+  // The hold that a resume must name.
   EXPECT_EQ(store->runs().run(about_to_begin)->hold,
             (RunHold{RunHold::Kind::stop, "bob", at_s(5).utc, "stopped by bob"}));
 }

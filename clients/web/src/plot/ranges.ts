@@ -70,8 +70,8 @@ export function yRange(spec: PlotSpec, axis: 'left' | 'right', range: Range): [n
   return axis === 'left' && low === 0 && high > 0 ? [0, padHigh] : [padLow, padHigh];
 }
 
-// Where no line series has anything: hatched. Runs of NaN between two values, and what lies before the first and after the last one
-// where that is longer than a value holds; common to all lines.
+// Ranges where no line series has anything, which are hatched: runs of NaN between two values, and what lies before the first and
+// after the last one where that is longer than a value holds; common to all lines.
 export function gapsOf(spec: PlotSpec): Range[] {
   const lines = spec.series.filter((one) => one.draw !== 'markers');
   let common: Range[] | undefined;

@@ -343,6 +343,17 @@ TEST_F(ImprovementTest, IsUndoneWhenTheFreshPointsDoNotShowIt) {
   EXPECT_GT(record.turns[0].gains[0].measured->a90, record.turns[0].gains[0].measured_before->a90);
 }
 
+// The diagnosis with a gain of q1 that it promises: 300 nm to 20.
+dx::Diagnosis promising(dx::Diagnosis found) {
+  dx::OutputSummary q1;
+  q1.output = "q1";
+  q1.unit = "nm";
+  q1.u90_calibration_before = q1.a90_calibration_before = 300;
+  q1.u90_calibration_after = q1.a90_calibration_after = 20;
+  found.outputs = {q1};
+  return found;
+}
+
 // A lag of an hour needs five hours of readings before a row; these runs take minutes.
 class SlowLagTest : public ImprovementTest {
  protected:
@@ -351,13 +362,7 @@ class SlowLagTest : public ImprovementTest {
           auto found = diagnosis_with(options.baseline.formula,
                                       {finding_of("thermal_lag", "t01", effects::AppliesTo::robot,
                                                   {"lag(t01, 3600 s)"}, {-1e-4})});
-          dx::OutputSummary q1;
-          q1.output = "q1";
-          q1.unit = "nm";
-          q1.u90_calibration_before = q1.a90_calibration_before = 300;
-          q1.u90_calibration_after = q1.a90_calibration_after = 20;
-          found.outputs = {q1};
-          return Result<dx::Diagnosis>(found);
+          return Result<dx::Diagnosis>(promising(std::move(found)));
         }) {}
 };
 
@@ -381,13 +386,7 @@ class BlamedLaserTest : public ImprovementTest {
           auto found = diagnosis_with(
               options.baseline.formula,
               {finding_of("cosine_error", "x", effects::AppliesTo::correction, {"x^2"}, {3e-5})});
-          dx::OutputSummary q1;
-          q1.output = "q1";
-          q1.unit = "nm";
-          q1.u90_calibration_before = q1.a90_calibration_before = 300;
-          q1.u90_calibration_after = q1.a90_calibration_after = 20;
-          found.outputs = {q1};
-          return Result<dx::Diagnosis>(found);
+          return Result<dx::Diagnosis>(promising(std::move(found)));
         }) {}
 };
 TEST_F(BlamedLaserTest, IsUndoneBecauseBothModelsExpectTheSameReadings) {
