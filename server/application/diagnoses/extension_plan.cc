@@ -365,6 +365,14 @@ Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis&
   return plan;
 }
 
+Reach reach_of(const diagnosis::Finding& finding) {
+  using effects::AppliesTo;
+  if (finding.applies_to == AppliesTo::dataset) return Reach::marks;
+  return finding.applies_to == AppliesTo::correction && reads_data_time(finding.terms)
+             ? Reach::timed_correction
+             : Reach::every_run;
+}
+
 std::vector<int> with_known_side(const diagnosis::Diagnosis& found, std::vector<int> numbers,
                                  const RunsData& data) {
   std::erase_if(numbers, [&](int number) {

@@ -49,6 +49,12 @@ Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis&
                                      const std::vector<int>& chosen, const RunsData& data,
                                      const std::string& taken_as = "");
 
+// Which readings what is made of a finding acts on. Only those of its runs: wrong rows, a datum
+// split, a sensor left out (`marks`), and a correction that reads the data's clock
+// (`timed_correction`); fresh runs can show no gain of either.
+enum class Reach { marks, timed_correction, every_run };
+Reach reach_of(const diagnosis::Finding& finding);
+
 // Of the numbered findings those that plan_extension would not refuse as INDISTINGUISHABLE.
 std::vector<int> with_known_side(const diagnosis::Diagnosis& found, std::vector<int> numbers,
                                  const RunsData& data);

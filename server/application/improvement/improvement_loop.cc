@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/application/diagnoses/extension_plan.h"
 #include "server/application/improvement/fresh_points.h"
 #include "server/application/improvement/fresh_verdict.h"
 #include "server/application/models/model_integrity.h"
@@ -52,6 +51,13 @@ Choice what_can_be_told(const diagnosis::Diagnosis& found) {
                       name_of(finding), fmt::join(finding.indistinguishable_from, ", "));
   }
   return choice;
+}
+
+Reach farthest_of(const diagnosis::Diagnosis& found, const std::vector<int>& numbers) {
+  Reach reach = Reach::marks;
+  for (const int number : numbers)
+    reach = std::max(reach, reach_of(found.findings[static_cast<std::size_t>(number - 1)]));
+  return reach;
 }
 
 std::string turns_made(int count) {
@@ -261,7 +267,8 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
   turn_.gains = promised_gains(*view.found);
   // A later start finds by it what was accepted.
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
-  if (!has_time_for(estimated_s_)) {
+  const Reach reach = farthest_of(*view.found, findings);
+  if (reach != Reach::marks && !has_time_for(estimated_s_)) {
     reason_ = fmt::format(
         "the budget of {:g} s does not hold another measurement of {:.0f} s, which would show the "
         "gain of diagnosis {}: nothing of it was accepted",
@@ -281,8 +288,23 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
     formula_ = model.formula;
     turn_.model = extension.model;
   }
+  if (reach == Reach::marks) co_return co_await keep_unjudged(extension);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
-  co_return co_await measure_again(extension);
+  co_return co_await measure_again(extension, reach);
+}
+
+// Marks on readings of these runs: fresh points hold nothing of them, so none are measured. The
+// next turn looks at the readings without what is marked.
+Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::keep_unjudged(
+    const ExtensionRecord& extension) {
+  unproved_.reset();
+  if (extension.model) model_ = extension.model;
+  say(
+      fmt::format("diagnosis {} stays: it marks readings of these runs, which fresh points cannot "
+                  "judge",
+                  extension.diagnosis.value));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
+  co_return After::next_turn;
 }
 
 // Those that would be accepted each by itself; why not, of the others, is said.
@@ -303,8 +325,8 @@ Awaitable<std::vector<int>> ImprovementLoop::acceptable(const DiagnosisView& vie
   co_return kept;
 }
 
-Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
-    ExtensionRecord extension) {
+Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(ExtensionRecord extension,
+                                                                         Reach reach) {
   const auto before = model_;
   model_ = extension.model;
   ++repeats_;
@@ -327,10 +349,16 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
   if (verdict.judged)
     say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
                     run.id.value, verdict.measured));
-  if (verdict.better && verdict.worse.empty()) {
+  const bool acts_on_fresh = reach == Reach::every_run;
+  if (verdict.judged && verdict.worse.empty() && (verdict.better || !acts_on_fresh)) {
     unproved_.reset();
+    if (!verdict.better)
+      say(
+          fmt::format("diagnosis {} stays: it corrects the readings of its own runs only, and "
+                      "fresh points are no worse with the model from them",
+                      extension.diagnosis.value));
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
-    co_await promote_proven();
+    if (verdict.better) co_await promote_proven();
     co_return After::next_turn;
   }
   auto undoing = services_.extensions.undo(caller_, extension.diagnosis);

@@ -8,11 +8,12 @@
 // A set that cannot be told apart gets the separating measurement that the diagnosis proposes, once
 // per set; where there is none, the set stays as it is and the reason says so. An extension whose
 // gain the fresh points do not show is undone and ends the loop. One that they have not judged when
-// the loop ends is undone too: nothing unproved stays in force. A finding that would be refused by
-// itself (a term that no target can have, a correction that no instrument can need) is left out. It
-// ends well when nothing beyond noise is left,
-// when what is left is in no catalogue, after the last turn, or when the budget of time does not
-// hold another measurement.
+// the loop ends is undone too: nothing unproved stays in force, but for marks on readings (wrong
+// rows, a sensor left out), which no fresh point can judge. A correction for its own runs only
+// stays where fresh points are no worse. A finding that would be refused by itself (a term that no
+// target can have, a correction that no instrument can need) is left out. It ends well when nothing
+// beyond noise is left, when what is left is in no catalogue, after the last turn, or when the
+// budget of time does not hold another measurement.
 //
 // Executor's thread. It moves the robot through Runs::create alone, under the lease of whoever
 // began it, which it renews: a lease that is given up ends it at its next measurement.
@@ -24,6 +25,7 @@
 
 #include "server/application/checks/model_checks.h"
 #include "server/application/diagnoses/diagnoses.h"
+#include "server/application/diagnoses/extension_plan.h"
 #include "server/application/diagnoses/extensions.h"
 #include "server/application/improvement/improvements.h"
 #include "server/application/manual/manual_control.h"
@@ -82,7 +84,8 @@ class ImprovementLoop {
   Awaitable<Result<DiagnosisView>> separate(DiagnosisView view);
   Awaitable<Result<After>> extend(const DiagnosisView& view, std::vector<int> findings);
   Awaitable<std::vector<int>> acceptable(const DiagnosisView& view, std::vector<int> findings);
-  Awaitable<Result<After>> measure_again(ExtensionRecord extension);
+  Awaitable<Result<After>> keep_unjudged(const ExtensionRecord& extension);
+  Awaitable<Result<After>> measure_again(ExtensionRecord extension, Reach reach);
   Awaitable<Result<ModelCheck>> errors_on(ModelId model, RunId run,
                                           std::optional<CorrectionId> leaving_out);
   Awaitable<void> promote_proven();
