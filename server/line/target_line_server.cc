@@ -13,7 +13,6 @@
 #include <cstring>
 #include <set>
 
-#include "server/access/door_address.h"
 #include "server/access/failed_handshakes.h"
 #include "server/access/peer_name.h"
 #include "server/access/wrong_tries.h"
@@ -22,6 +21,7 @@
 #include "server/core/try.h"
 #include "server/formats/export/target_line.h"
 #include "server/line/line_address.h"
+#include "server/line/line_listener.h"
 #include "server/line/line_socket.h"
 #include "server/plans/joint_target.h"
 
@@ -61,22 +61,20 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
  public:
   class Session;
 
-  Door(tcp::acceptor acceptor, std::string address, AddressList allowed, LineParts parts,
-       LineDoor door)
-      : acceptor_(std::move(acceptor)),
-        pause_(acceptor_.get_executor()),
-        address_(std::move(address)),
+  Door(std::shared_ptr<LineListener> listener, AddressList allowed, LineParts parts, LineDoor door)
+      : listener_(std::move(listener)),
+        address_(text_of(listener_->endpoint())),
         allowed_(std::move(allowed)),
         parts_(std::move(parts)),
         door_(std::move(door)),
         failed_handshakes_("text line " + address_) {}
 
-  void accept_next();
+  void begin();
   void shut();
   const std::string& address() const { return address_; }
   std::size_t clients() const { return sessions_.size(); }
   std::size_t turned_away() const { return turned_away_; }
-  bool is_shut() const { return shut_; }
+  bool is_shut() const { return listener_->is_shut(); }
   // False: an arm's joints are searched for, and the answer comes back by Session::on_answer().
   bool answer(std::string_view line, std::string& out, const std::shared_ptr<Session>& session);
   void answer_joint(std::string_view line, std::string& out) const;
@@ -94,13 +92,11 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   void search(const compensation::Snapshot& present, const compensation::TargetRequest& request,
               std::shared_ptr<Session> session);
 
-  tcp::acceptor acceptor_;
-  asio::steady_timer pause_;
+  std::shared_ptr<LineListener> listener_;
   std::string address_;
   AddressList allowed_;
   LineParts parts_;
   LineDoor door_;
-  bool shut_ = false;
   int searches_ = 0;
   std::size_t turned_away_ = 0;
   WallClock::time_point told_{};
@@ -117,7 +113,7 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
       : socket_(std::move(socket)),
         rights_(std::move(rights)),
         door_(std::move(door)),
-        limit_(door_->acceptor_.get_executor()) {
+        limit_(door_->parts_.executor) {
     out_.reserve(formats::kMaxTargetAnswer);
   }
   ~Session() { door_->forget(this); }
@@ -267,18 +263,9 @@ bool TargetLineServer::Door::make_room() {
   return true;
 }
 
-void TargetLineServer::Door::accept_next() {
-  acceptor_.async_accept([self = shared_from_this()](error_code error, tcp::socket socket) {
-    if (self->is_shut()) return;
-    if (!error) {
-      self->take(std::move(socket));
-      return self->accept_next();
-    }
-    // Out of descriptors, for one: a new attempt at once would fail at once, again and again.
-    self->pause_.expires_after(std::chrono::milliseconds(100));
-    self->pause_.async_wait([self](error_code stopped) {
-      if (!stopped && !self->is_shut()) self->accept_next();
-    });
+void TargetLineServer::Door::begin() {
+  listener_->begin([door = weak_from_this()](tcp::socket socket) {
+    if (const auto self = door.lock()) self->take(std::move(socket));
   });
 }
 
@@ -328,10 +315,7 @@ void TargetLineServer::Door::tell_failed_handshake(const std::string& from, erro
 }
 
 void TargetLineServer::Door::shut() {
-  shut_ = true;
-  error_code ignored;
-  acceptor_.close(ignored);
-  pause_.cancel();
+  listener_->shut();
   const auto open = sessions_;
   for (auto* session : open) session->close();
 }
@@ -416,34 +400,16 @@ Result<std::unique_ptr<TargetLineServer>> TargetLineServer::start(LineParts part
     DRIFTWISE_RETURN_IF_ERROR(check_interface(door.interface, endpoint.address()));
     DRIFTWISE_TRY(allowed, AddressList::from(door.allow));
   }
-  tcp::acceptor acceptor(parts.executor);
-  error_code error;
-  const auto attempt = [&](auto&& step) {
-    if (!error) step();
-  };
-  attempt([&] { acceptor.open(endpoint.protocol(), error); });
-  attempt([&] { acceptor.set_option(tcp::acceptor::reuse_address(true), error); });
-  attempt([&] {
-    if (door.kind != LineKind::plain_network) return;
-    // What comes by another network is not even answered by the kernel.
-    if (::setsockopt(acceptor.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, door.interface.data(),
-                     static_cast<socklen_t>(door.interface.size())) != 0)
-      error.assign(errno, boost::system::system_category());
-  });
-  attempt([&] {
-    error.assign(access::bind_door(acceptor.native_handle(), endpoint.data(),
-                                   static_cast<unsigned>(endpoint.size())),
-                 boost::system::system_category());
-  });
-  attempt([&] { acceptor.listen(asio::socket_base::max_listen_connections, error); });
-  if (error)
+  auto listener = std::make_shared<LineListener>(
+      parts.executor, endpoint,
+      door.kind == LineKind::plain_network ? door.interface : std::string());
+  if (const error_code error = listener->open())
     return fail(ErrorCode::unavailable, reasons::kCannotListen,
                 "cannot listen on " + door.address + " for target lines: " + error.message() +
                     "; choose another port in " + key_of(door.kind));
-  const auto address = text_of(acceptor.local_endpoint(error));
-  auto listening = std::make_shared<Door>(std::move(acceptor), address, std::move(allowed),
-                                          std::move(parts), std::move(door));
-  listening->accept_next();
+  auto listening = std::make_shared<Door>(std::move(listener), std::move(allowed), std::move(parts),
+                                          std::move(door));
+  listening->begin();
   return std::unique_ptr<TargetLineServer>(new TargetLineServer(std::move(listening)));
 }
 
