@@ -1,5 +1,6 @@
 #include "server/identification/learning_curve.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -41,8 +42,10 @@ std::optional<CurveFigure> figure_of(const std::vector<std::vector<std::vector<d
 }  // namespace
 
 std::vector<std::size_t> spread_order(const Dataset& dataset, const std::vector<std::size_t>& rows,
-                                      const std::vector<std::string>& symbols) {
-  std::vector<std::vector<double>> places(rows.size());
+                                      const std::vector<std::string>& symbols, std::size_t count) {
+  count = std::min(count, rows.size());
+  if (count == 0) return {};
+  Eigen::MatrixXd places(0, static_cast<Eigen::Index>(rows.size()));  // one column a row
   for (const auto& symbol : symbols) {
     const auto* column = dataset.find(symbol);
     if (column == nullptr) continue;
@@ -52,33 +55,69 @@ std::vector<std::size_t> spread_order(const Dataset& dataset, const std::vector<
       high = std::max(high, column->values[row]);
     }
     if (!(high > low)) continue;
+    places.conservativeResize(places.rows() + 1, Eigen::NoChange);
     for (std::size_t i = 0; i < rows.size(); ++i)
-      places[i].push_back((column->values[rows[i]] - low) / (high - low));
+      places(places.rows() - 1, static_cast<Eigen::Index>(i)) =
+          (column->values[rows[i]] - low) / (high - low);
   }
-  const auto square = [](const std::vector<double>& a, const std::vector<double>& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < a.size(); ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
-    return sum;
+  const auto square = [&places](std::size_t a, std::size_t b) {
+    return (places.col(static_cast<Eigen::Index>(a)) - places.col(static_cast<Eigen::Index>(b)))
+        .squaredNorm();
   };
-  std::vector<double> mean(places.empty() ? 0 : places.front().size(), 0.0);
-  for (const auto& place : places)
-    for (std::size_t k = 0; k < mean.size(); ++k)
-      mean[k] += place[k] / static_cast<double>(places.size());
-  std::vector<std::size_t> order;
-  std::vector<double> nearest(rows.size(), INFINITY);
-  std::size_t next = 0;
-  for (std::size_t i = 1; i < rows.size(); ++i)
-    if (square(places[i], mean) < square(places[next], mean)) next = i;
-  for (std::size_t chosen = 0; chosen < rows.size(); ++chosen) {
-    order.push_back(rows[next]);
-    nearest[next] = -1;
-    std::size_t farthest = rows.size();
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (nearest[i] < 0) continue;
-      nearest[i] = std::min(nearest[i], square(places[i], places[next]));
-      if (farthest == rows.size() || nearest[i] > nearest[farthest]) farthest = i;
+  const Eigen::VectorXd mean = places.rowwise().mean();
+  Eigen::Index first = 0;
+  (places.colwise() - mean).colwise().squaredNorm().minCoeff(&first);
+  // Every row that is left belongs to the chosen one nearest to it. By the triangle inequality a
+  // newly chosen row takes none of another's whose distance to it is twice that one's farthest.
+  struct Cell {
+    std::size_t chosen;
+    std::vector<std::size_t> rows;
+    double farthest = -1;  // squared
+    std::size_t at = 0;
+  };
+  std::vector<double> nearest(rows.size());
+  std::vector<Cell> cells;
+  const auto settle = [&nearest](Cell& cell) {
+    cell.farthest = -1;
+    for (const std::size_t row : cell.rows)
+      if (nearest[row] > cell.farthest || (nearest[row] == cell.farthest && row < cell.at)) {
+        cell.farthest = nearest[row];
+        cell.at = row;
+      }
+  };
+  Cell all{.chosen = static_cast<std::size_t>(first), .rows = {}};
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (row == all.chosen) continue;
+    nearest[row] = square(row, all.chosen);
+    all.rows.push_back(row);
+  }
+  settle(all);
+  std::vector<std::size_t> order = {rows[all.chosen]};
+  cells.push_back(std::move(all));
+  while (order.size() < count) {
+    const auto from = std::ranges::max_element(cells, [](const Cell& a, const Cell& b) {
+      return a.farthest < b.farthest || (a.farthest == b.farthest && a.at > b.at);
+    });
+    Cell next{.chosen = from->at, .rows = {}};
+    order.push_back(rows[next.chosen]);
+    for (auto& cell : cells) {
+      const bool reached = square(cell.chosen, next.chosen) < 4.000001 * cell.farthest;
+      if (!reached && &cell != &*from) continue;
+      const auto taken = std::ranges::partition(cell.rows, [&](std::size_t row) {
+        if (row == next.chosen) return false;
+        const double distance = square(row, next.chosen);
+        if (distance >= nearest[row]) return true;
+        nearest[row] = distance;
+        return false;
+      });
+      for (const std::size_t row : taken)
+        if (row != next.chosen) next.rows.push_back(row);
+      if (taken.empty()) continue;
+      cell.rows.erase(taken.begin(), taken.end());
+      settle(cell);
     }
-    next = farthest;
+    settle(next);
+    cells.push_back(std::move(next));
   }
   return order;
 }
@@ -138,16 +177,23 @@ Result<LearningCurve> learning_curve(const Dataset& whole, const CurveOptions& o
   // The rows of each fold in the orders in which they would be taken: the spread one, then the
   // random ones.
   std::vector<std::vector<std::vector<std::size_t>>> orders(folds.size());
-  for (std::size_t f = 0; f < folds.size(); ++f) {
-    orders[f].push_back(spread_order(dataset, folds[f].train, inputs));
+  // The largest size leaves out a few rows at most: which ones is left to chance.
+  const std::size_t filled = sizes.size() > 1 ? sizes[sizes.size() - 2] : sizes.back();
+  calibration::run_on(options.fit.executor, folds.size(), [&](std::size_t f) {
     std::mt19937_64 random(options.seed * 1000 + f);
-    for (int draw = 0; draw < options.draws; ++draw) {
+    for (int draw = 0; draw < std::max(1, options.draws); ++draw) {
       auto shuffled = folds[f].train;
       for (std::size_t i = shuffled.size(); i > 1; --i)
         std::swap(shuffled[i - 1], shuffled[random() % i]);
       orders[f].push_back(std::move(shuffled));
     }
-  }
+    auto filling = spread_order(dataset, folds[f].train, inputs, filled);
+    const std::set<std::size_t> taken(filling.begin(), filling.end());
+    for (const std::size_t row : orders[f].front())
+      if (!taken.contains(row)) filling.push_back(row);
+    orders[f].resize(static_cast<std::size_t>(options.draws));
+    orders[f].insert(orders[f].begin(), std::move(filling));
+  });
   const std::size_t designs = 1 + static_cast<std::size_t>(options.draws);
   const std::size_t jobs = sizes.size() * folds.size() * designs;
   std::vector<std::vector<std::vector<double>>> errors(jobs);  // [job][output]

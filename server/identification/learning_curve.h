@@ -48,8 +48,10 @@ struct LearningCurve {
 // UNITS_DISAGREE, NO_BLOCKS; those of fit() with all rows.
 Result<LearningCurve> learning_curve(const Dataset& dataset, const CurveOptions& options);
 
-// The order in which rows would be chosen to fill the space of these symbols; all of them.
+// The first `count` rows in the order in which they would be chosen to fill the space of these
+// symbols. Time: rows times the logarithm of count while the space has few dimensions, never more
+// than rows times count.
 std::vector<std::size_t> spread_order(const Dataset& dataset, const std::vector<std::size_t>& rows,
-                                      const std::vector<std::string>& symbols);
+                                      const std::vector<std::string>& symbols, std::size_t count);
 
 }  // namespace driftwise::identification

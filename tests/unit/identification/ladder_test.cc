@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "server/formats/formula/formula.h"
@@ -198,10 +200,64 @@ TEST(LearningCurve, SpreadRowsReachTheCornersFirst) {
     rows.push_back(data.rows++);
   }
   data.columns = {x};
-  const auto order = spread_order(data, rows, {"x"});
+  const auto order = spread_order(data, rows, {"x"}, rows.size());
   EXPECT_EQ(order[0], 50u);
   EXPECT_THAT((std::vector{order[1], order[2]}), testing::UnorderedElementsAre(0u, 100u));
   EXPECT_EQ(order.size(), rows.size());
+}
+
+// Kennard and Stone as they wrote it: every row against every chosen one.
+std::vector<std::size_t> spread_by_hand(const std::vector<std::array<double, 3>>& places) {
+  const auto square = [&](std::size_t a, const std::array<double, 3>& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += (places[a][k] - b[k]) * (places[a][k] - b[k]);
+    return sum;
+  };
+  std::array<double, 3> mean{};
+  for (const auto& place : places)
+    for (std::size_t k = 0; k < 3; ++k) mean[k] += place[k] / static_cast<double>(places.size());
+  std::vector<std::size_t> left(places.size()), order;
+  std::iota(left.begin(), left.end(), 0);
+  const auto take = [&](auto distance, bool farthest) {
+    auto best = left.begin();
+    for (auto it = left.begin(); it != left.end(); ++it)
+      if (farthest ? distance(*it) > distance(*best) : distance(*it) < distance(*best)) best = it;
+    order.push_back(*best);
+    left.erase(best);
+  };
+  take([&](std::size_t row) { return square(row, mean); }, false);
+  while (!left.empty())
+    take(
+        [&](std::size_t row) {
+          double nearest = INFINITY;
+          for (const std::size_t chosen : order)
+            nearest = std::min(nearest, square(row, places[chosen]));
+          return nearest;
+        },
+        true);
+  return order;
+}
+
+TEST(LearningCurve, SpreadRowsAreThoseOfTheDirectSearch) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> place(0, 1);
+  std::vector<std::array<double, 3>> places;
+  for (int i = 0; i < 200; ++i)  // a lattice whose places are visited again, and scattered ones
+    places.push_back(i < 120 ? std::array{(i % 5) / 4.0, (i / 5 % 4) / 3.0, (i / 20 % 3) / 2.0}
+                             : std::array{place(random), place(random), place(random)});
+  Dataset data;
+  data.rows = places.size();
+  for (std::size_t k = 0; k < 3; ++k) {
+    DatasetColumn column{{std::string(1, "xyz"[k]), "mm"}, {}};
+    for (const auto& at : places) column.values.push_back(at[k]);
+    data.columns.push_back(column);
+  }
+  std::vector<std::size_t> rows(places.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  const auto expected = spread_by_hand(places);
+  const auto order = spread_order(data, rows, {"x", "y", "z"}, 90);
+  ASSERT_EQ(order.size(), 90u);
+  EXPECT_THAT(order, testing::ElementsAreArray(expected.begin(), expected.begin() + 90));
 }
 
 LimitFacts facts() {
