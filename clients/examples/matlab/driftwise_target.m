@@ -6,9 +6,17 @@ function answer = driftwise_target(line, varargin)
 %   a.q1_mm, a.u90_nm, a.valid_until, a.flags                     flags: "-" for none
 % A refusal is an error with the daemon's reason: err.identifier is "driftwise:NO_MODEL".
 % The line is plain: over TLS let stunnel stand between (docs/target-line.md).
+  if mod(numel(varargin), 2) ~= 0
+    error('driftwise:BAD_NUMBER', 'found %d arguments after the line, expected names and values in pairs', numel(varargin));
+  end
   request = "TARGET u=1";
   for i = 1:2:numel(varargin)
-    request = [char(request), ' ', char(varargin{i}), '=', sprintf('%.17g', varargin{i + 1})];
+    value = varargin{i + 1};
+    % The digits of an array would run together: [0.5 1] reads 0.51, a valid pose.
+    if ~(isnumeric(value) && isreal(value) && isscalar(value))
+      error('driftwise:BAD_NUMBER', '%s: found a value of size %s, expected one real number', char(varargin{i}), mat2str(size(value)));
+    end
+    request = [char(request), ' ', char(varargin{i}), '=', sprintf('%.17g', value)];
   end
   reply = driftwise_ask(line, request);
   words = strsplit(reply, ' ');

@@ -12,6 +12,7 @@ Written from docs/database.md, "The chain": it shares no code with the daemon.
 """
 
 import hashlib
+import pathlib
 import re
 import sqlite3
 import struct
@@ -123,7 +124,7 @@ class OtherSchema(Exception):
 
 class Record:
     def __init__(self, path):
-        self.db = sqlite3.connect(f"file:{path}?mode=ro", uri=True, isolation_level=None)
+        self.db = sqlite3.connect(pathlib.Path(path).resolve().as_uri() + "?mode=ro", uri=True, isolation_level=None)
         self.db.text_factory = Text
         self.db.execute("BEGIN")  # one view of chain and tables: a daemon writes both meanwhile
         self.tables = {}
@@ -265,6 +266,9 @@ def main():
         problems, thinned, head = check(sys.argv[1])
     except OtherSchema as other:
         print(other, file=sys.stderr)
+        sys.exit(2)
+    except sqlite3.Error as unreadable:
+        print(f"{sys.argv[1]}: cannot be read as a record: {unreadable}", file=sys.stderr)
         sys.exit(2)
     for line in problems + thinned:
         print(line)
