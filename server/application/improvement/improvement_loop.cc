@@ -276,6 +276,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
     say(reason_);
     co_return After::end;
   }
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());  // cancelled during the previews: nothing is accepted
   AcceptRequest wanted;
   wanted.diagnosis = view.record.id;
   wanted.findings = findings;
