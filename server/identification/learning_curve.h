@@ -49,8 +49,8 @@ struct LearningCurve {
 Result<LearningCurve> learning_curve(const Dataset& dataset, const CurveOptions& options);
 
 // The first `count` rows in the order in which they would be chosen to fill the space of these
-// symbols. Time: rows times the logarithm of count while the space has few dimensions, never more
-// than rows times count.
+// symbols; of rows equally far the first. Time: count^2, and rows times count where the space has
+// many dimensions; in few most rows are passed over.
 std::vector<std::size_t> spread_order(const Dataset& dataset, const std::vector<std::size_t>& rows,
                                       const std::vector<std::string>& symbols, std::size_t count);
 

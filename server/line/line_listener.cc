@@ -13,7 +13,11 @@
 
 namespace driftwise::line {
 
+namespace {
+
 constexpr auto kLookEvery = std::chrono::seconds(2);
+
+}  // namespace
 
 LineListener::LineListener(boost::asio::any_io_executor executor, Tcp::endpoint where,
                            std::string interface)
@@ -46,7 +50,7 @@ LineListener::Code LineListener::listen() {
   attempt([&] { acceptor_.set_option(Tcp::acceptor::reuse_address(true), error); });
   attempt([&] {
     if (interface_.empty()) return;
-    // What comes by another network is not even answered by the kernel.
+    // Connections by another network are not even answered by the kernel.
     if (::setsockopt(acceptor_.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, interface_.data(),
                      static_cast<socklen_t>(interface_.size())) != 0)
       error.assign(errno, boost::system::system_category());

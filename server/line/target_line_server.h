@@ -46,7 +46,7 @@ struct LineDoor {
   std::string address;  // "127.0.0.1:50052", "localhost:0", "[::1]:0"; port 0 picks a free one
   LineKind kind = LineKind::loopback;
   std::unique_ptr<tls::TlsMaterial> tls = nullptr;  // of LineKind::tls
-  std::string interface = {};                       // of LineKind::plain_network, as
+  std::string interface = {};                       // of LineKind::plain_network, waited for, as
   std::vector<std::string> allow = {};              // are the addresses that may come in
 };
 

@@ -367,10 +367,11 @@ Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis&
 
 Reach reach_of(const diagnosis::Finding& finding) {
   using effects::AppliesTo;
+  if (finding.cause == "step_change") return Reach::own_runs;
   if (finding.applies_to == AppliesTo::dataset) return Reach::marks;
-  return finding.applies_to == AppliesTo::correction && reads_data_time(finding.terms)
-             ? Reach::timed_correction
-             : Reach::every_run;
+  const bool is_timed = reads_data_time(finding.terms);
+  return finding.applies_to == AppliesTo::correction && is_timed ? Reach::own_runs
+                                                                 : Reach::every_run;
 }
 
 std::vector<int> with_known_side(const diagnosis::Diagnosis& found, std::vector<int> numbers,

@@ -49,10 +49,10 @@ Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis&
                                      const std::vector<int>& chosen, const RunsData& data,
                                      const std::string& taken_as = "");
 
-// Which readings what is made of a finding acts on. Only those of its runs: wrong rows, a datum
-// split, a sensor left out (`marks`), and a correction that reads the data's clock
-// (`timed_correction`); fresh runs can show no gain of either.
-enum class Reach { marks, timed_correction, every_run };
+// Runs that what is made of a finding acts on, in the order of their number. `marks`: rows kept out
+// and sensors left out, in the runs of the diagnosis. `own_runs`: a jump, and a correction that
+// reads the data's clock; it changes what those runs say. Fresh runs can show no gain of either.
+enum class Reach { marks, own_runs, every_run };
 Reach reach_of(const diagnosis::Finding& finding);
 
 // Of the numbered findings those that plan_extension would not refuse as INDISTINGUISHABLE.

@@ -99,6 +99,9 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
     turn_ = {};
     turn_.number = next;
     turn_.started = clock_.now().utc;
+    // A start after a kill undoes what the last turn on record accepted without proof: from here on
+    // that is not the turn before.
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
   }
 }
 
@@ -298,6 +301,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
 // next turn looks at the readings without what is marked.
 Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::keep_unjudged(
     const ExtensionRecord& extension) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());  // cancelled while it was accepted: it is withdrawn
   unproved_.reset();
   if (extension.model) model_ = extension.model;
   say(
@@ -355,8 +359,8 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(Extensi
     unproved_.reset();
     if (!verdict.better)
       say(
-          fmt::format("diagnosis {} stays: it corrects the readings of its own runs only, and "
-                      "fresh points are no worse with the model from them",
+          fmt::format("diagnosis {} stays: it acts on its own runs only, and fresh points are no "
+                      "worse with the model from them",
                       extension.diagnosis.value));
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
     if (verdict.better) co_await promote_proven();

@@ -9,7 +9,7 @@
 // per set; where there is none, the set stays as it is and the reason says so. An extension whose
 // gain the fresh points do not show is undone and ends the loop. One that they have not judged when
 // the loop ends is undone too: nothing unproved stays in force, but for marks on readings (wrong
-// rows, a sensor left out), which no fresh point can judge. A correction for its own runs only
+// rows, a sensor left out), which no fresh point can judge. What acts on its own runs only
 // stays where fresh points are no worse. A finding that would be refused by itself (a term that no
 // target can have, a correction that no instrument can need) is left out. It ends well when nothing
 // beyond noise is left, when what is left is in no catalogue, after the last turn, or when the
