@@ -14,7 +14,8 @@ function answer = driftwise_target(line, varargin)
     value = varargin{i + 1};
     % The digits of an array would run together: [0.5 1] reads 0.51, a valid pose.
     if ~(isnumeric(value) && isreal(value) && isscalar(value))
-      error('driftwise:BAD_NUMBER', '%s: found a value of size %s, expected one real number', char(varargin{i}), mat2str(size(value)));
+      error('driftwise:BAD_NUMBER', '%s: found %s of size %s, expected one real number', char(varargin{i}), class(value), ...
+            mat2str(size(value)));
     end
     request = [char(request), ' ', char(varargin{i}), '=', sprintf('%.17g', value)];
   end

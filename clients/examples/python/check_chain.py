@@ -3,7 +3,7 @@
 
     check_chain.py cell.db            prints HASH@N, or what differs; exit code 1: something does
                                       before it, a line for each stretch of readings that was thinned
-                                      exit code 2: a record that this program cannot judge
+                                      exit code 2: a record that this program cannot judge, or no record
 
 The record may be at work: everything is read in one transaction. Which tables it has is told by the chain's own
 layout entries, so records of older schemas are checked too; tables that are newer than this program end it with 2.

@@ -79,6 +79,9 @@ def main():
         check(code == 0 and head in said, f"a chain computed anew, of {entries} entries, is whole in itself: {said[:200]}")
         check(run("/usr/bin/python3", SOURCE + "/clients/examples/python/check_chain.py", path).returncode == 0,
               "the checker of another hand is content too")
+        for none in (path + ".missing", __file__):
+            checked = run("/usr/bin/python3", SOURCE + "/clients/examples/python/check_chain.py", none)
+            check(checked.returncode == 2 and "cannot be read as a record" in checked.stderr, "what is no record is not called changed: " + none)
         code, said = cell.verify("--head", kept)
         check(code == 1 and ("written anew" in said or "is missing" in said), "the head of the backup finds it: " + said.strip())
         # The same at an entry that the new chain has: padded to more entries than the old one.

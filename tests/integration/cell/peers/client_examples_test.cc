@@ -115,6 +115,21 @@ TEST(Examples, OctaveAsksNoMoreOnALineWhoseAnswerIsMissing) {
   EXPECT_EQ(asked.out, "driftwise:NO_ANSWER\ndriftwise:CONNECTION_LOST\n");
 }
 
+// The digits of [0.5 1], one after the other, are 0.51: another pose.
+TEST(Examples, OctaveAsksForNoArray) {
+  if (!std::filesystem::exists("/usr/bin/octave-cli"))
+    GTEST_SKIP() << "GNU Octave is not installed (apt install octave)";
+  const auto asked =
+      run_process({"/usr/bin/octave-cli", "--quiet", "--no-init-file", "--eval",
+                   "addpath('" + kExamples +
+                       "/matlab'); try, driftwise_target(0, 'x_mm', [0.5 1]); catch err, "
+                       "disp(err.identifier), end, try, driftwise_target(0, 'x_mm'); catch err, "
+                       "disp(err.identifier), end"},
+                  minutes(2));
+  expect_done(asked, "octave");
+  EXPECT_EQ(asked.out, "driftwise:BAD_NUMBER\ndriftwise:BAD_NUMBER\n");
+}
+
 // Rows of q1 = x + 0.001 (t05 - 20) in mm, among them passages without a pose and a point whose
 // beam was broken, which a person took out.
 std::string rows_with_passages() {
